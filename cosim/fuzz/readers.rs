@@ -6,9 +6,13 @@ use std::io::Cursor;
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
+use cosim::campaign::Campaign;
 use cosim::fmi::{Fmu, archive, description};
+use cosim::observe::is_results;
+use cosim::roles::Declaration;
+use cosim::scenario::Scenario;
 use cosim::signals::{Signal, Signals};
-use cosim::{Overrides, Recording, Snapshot, System};
+use cosim::{Overrides, Recording, Run, Snapshot, System, Time};
 use sha2::{Digest, Sha256};
 use tempfile::TempDir;
 
@@ -132,14 +136,64 @@ pub fn csv(bytes: &[u8]) {
     drop(Signals::new(read.time(), signals.collect()));
 }
 
+/// Reads a mapping of parameters through a valid system.
+pub fn ssm(bytes: &[u8]) {
+    std::fs::write(folder().path().join("fuzzed.ssm"), bytes).unwrap();
+    let (whole, open) = (r#"source="tank.ssv"/>"#, r#"source="tank.ssv">"#);
+    let mapped = r#"<ssd:ParameterMapping source="fuzzed.ssm"/></ssd:ParameterBinding>"#;
+    load("mapped.ssd", SYSTEM.replace(whole, &[open, mapped].concat()).as_bytes());
+}
+
+/// Reads a signal dictionary through a valid system.
+pub fn ssb(bytes: &[u8]) {
+    std::fs::write(folder().path().join("fuzzed.ssb"), bytes).unwrap();
+    let end = "</ssd:System>";
+    let with = r#"<ssd:SignalDictionaries>
+        <ssd:SignalDictionary name="bus" source="fuzzed.ssb"/></ssd:SignalDictionaries>"#;
+    load("bus.ssd", SYSTEM.replace(end, &[with, end].concat()).as_bytes());
+}
+
+/// A scenario: events as JSON, or faults as TOML.
+pub fn scenario(bytes: &[u8]) {
+    let json = bytes.first() == Some(&b'{');
+    let file = folder().path().join(if json { "fuzzed.json" } else { "fuzzed.toml" });
+    std::fs::write(&file, bytes).unwrap();
+    drop(Scenario::read(&file));
+}
+
+/// Campaign files.
+pub fn campaign(bytes: &[u8]) {
+    let file = folder().path().join("campaign.toml");
+    std::fs::write(&file, bytes).unwrap();
+    drop(Campaign::read(&file));
+}
+
+/// Declarations of roles.
+pub fn roles(bytes: &[u8]) {
+    let file = folder().path().join("roles.toml");
+    std::fs::write(&file, bytes).unwrap();
+    drop(Declaration::read(&file));
+}
+
+/// Results as Parquet.
+pub fn parquet(bytes: &[u8]) {
+    results("fuzzed.parquet", bytes);
+}
+
+fn results(name: &str, bytes: &[u8]) {
+    let file = folder().path().join(name);
+    // Otherwise they would be read as CSV.
+    assert!(is_results(&file), "the reader of {name} is compiled in");
+    std::fs::write(&file, bytes).unwrap();
+    if let Ok(read) = Recording::read(&file) {
+        assert!(read.columns().all(|(_, column)| column.len() == read.time().len()));
+    }
+}
+
 /// Results as MCAP, unchanged and with the checksums of their chunks removed.
 pub fn mcap(bytes: &[u8]) {
     for bytes in [bytes, &without_checksums(bytes)] {
-        let file = folder().path().join("fuzzed.mcap");
-        std::fs::write(&file, bytes).unwrap();
-        if let Ok(read) = Recording::read(&file) {
-            assert!(read.columns().all(|(_, column)| column.len() == read.time().len()));
-        }
+        results("fuzzed.mcap", bytes);
     }
 }
 
@@ -158,7 +212,27 @@ fn without_checksums(bytes: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// Snapshots of runs, unchanged and with a valid checksum.
+/// A system that runs without an FMU.
+pub fn sum() -> &'static System {
+    static SYSTEM: OnceLock<System> = OnceLock::new();
+    SYSTEM.get_or_init(|| {
+        let file = folder().path().join("sum.xml");
+        std::fs::write(&file, SUM).unwrap();
+        System::load(&file, &Overrides::new()).unwrap()
+    })
+}
+
+/// A snapshot of a run of it.
+pub fn state_of_sum() -> Vec<u8> {
+    let file = folder().path().join("sum.snapshot");
+    let mut keep = |snapshot: Snapshot| snapshot.write(&file);
+    let half = [Time::from_ns(500_000_000)];
+    Run::new(sum()).snapshots(None, &half, &mut keep).go().unwrap();
+    std::fs::read(&file).unwrap()
+}
+
+/// Snapshots of runs, unchanged and with a valid checksum; a run continues from those of its own
+/// system.
 pub fn snapshot(bytes: &[u8]) {
     let mut sealed = bytes.to_vec();
     if let Some((header, body)) = sealed.split_at_mut_checked(44) {
@@ -167,7 +241,9 @@ pub fn snapshot(bytes: &[u8]) {
     for bytes in [bytes, &sealed] {
         let file = folder().path().join("fuzzed.snapshot");
         std::fs::write(&file, bytes).unwrap();
-        drop(Snapshot::read(&file).map(|snapshot| snapshot.time()));
+        if let Ok(snapshot) = Snapshot::read(&file) {
+            drop(Run::new(sum()).resume(&snapshot).go());
+        }
     }
 }
 

@@ -126,6 +126,72 @@ pub const LOG_CONFIG: &str = r#"<simulators xmlns="http://opensimulationplatform
 </simulators>
 "#;
 
+/// A mapping of the parameters.
+pub const MAPPING: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
+<ssm:ParameterMapping version="1.0"
+ xmlns:ssm="http://ssp-standard.org/SSP1/SystemStructureParameterMapping"
+ xmlns:ssc="http://ssp-standard.org/SSP1/SystemStructureCommon">
+  <ssm:MappingEntry source="u" target="u"><ssc:LinearTransformation factor="2" offset="1"/></ssm:MappingEntry>
+  <ssm:MappingEntry source="n" target="n">
+    <ssc:IntegerMappingTransformation><ssc:MapEntry source="-7" target="1"/></ssc:IntegerMappingTransformation>
+  </ssm:MappingEntry>
+</ssm:ParameterMapping>
+"#;
+
+/// A signal dictionary.
+pub const DICTIONARY: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
+<ssb:SignalDictionary version="1.0"
+ xmlns:ssb="http://ssp-standard.org/SSP1/SystemStructureSignalDictionary"
+ xmlns:ssc="http://ssp-standard.org/SSP1/SystemStructureCommon">
+  <ssb:DictionaryEntry name="level"><ssc:Real unit="m"/></ssb:DictionaryEntry>
+  <ssb:DictionaryEntry name="on"><ssc:Boolean/></ssb:DictionaryEntry>
+  <ssb:Units><ssc:Unit name="m"><ssc:BaseUnit m="1"/></ssc:Unit></ssb:Units>
+</ssb:SignalDictionary>
+"#;
+
+/// A system of functions alone.
+pub const SUM: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
+<OspSystemStructure version="0.1" xmlns="http://opensimulationplatform.com/MSMI/OSPSystemStructure">
+  <StartTime>0.0</StartTime>
+  <EndTime>1.0</EndTime>
+  <BaseStepSize>0.1</BaseStepSize>
+  <Simulators/>
+  <Functions><Sum name="s" inputCount="2"/><VectorSum name="v" inputCount="2" dimension="2"/></Functions>
+</OspSystemStructure>
+"#;
+
+/// Faults.
+pub const FAULTS: &str = r#"[[fault]]
+kind = "drop-out"
+on = ["gps.position.x", "gps.stamp"]
+from = 30
+for = 30
+
+[[fault]]
+kind = "gauss-markov"
+on = "dvl.velocity.?"
+sigma = 0.01
+tau = 20
+"#;
+
+/// Roles of variables.
+pub const ROLES: &str = r#"axes = "enu"
+
+[truth]
+pose = "vehicle.pose"
+velocity = "vehicle.velocity"
+
+[estimates.navigation]
+pose = { x = "filter.pose.x", y = "filter.pose.y", yaw = "filter.pose.yaw" }
+sigma = { x = "filter.sigma.x", y = "filter.sigma.y", yaw = "filter.sigma.yaw" }
+covariance = { x_y = "filter.covariance.x_y" }
+
+[sensors.log]
+velocity = "dvl.velocity"
+stamp = "dvl.stamp"
+valid = "dvl.valid"
+"#;
+
 /// Recorded signals.
 pub const TABLE: &str = "time,a.y,\"b[1,2]\"\n0.0,1,True\n1e-3, 2.5,false\n0.002,-1e300,0\n";
 

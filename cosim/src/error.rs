@@ -16,8 +16,10 @@ pub use code::Code;
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 /// What happened, where, why and what to do about it. One pointer wide, so that results stay small.
+#[derive(Clone)]
 pub struct Error(Box<Detail>);
 
+#[derive(Clone)]
 struct Detail {
     code: Code,
     what: String,
@@ -34,6 +36,37 @@ struct Detail {
 
 /// The maximum number of problems that are reported together: a file can have a million.
 const KEPT: usize = 100;
+
+/// Problems found one after another, of which the first hundred are kept.
+#[derive(Default)]
+pub(crate) struct Problems {
+    kept: Vec<Error>,
+    more: usize,
+}
+
+impl Problems {
+    pub(crate) fn push(&mut self, problem: Error) {
+        if self.kept.len() < KEPT {
+            self.kept.push(problem);
+        } else {
+            self.more += problem.problems().count() + problem.0.more;
+        }
+    }
+
+    /// All as one error; `Ok` if there is none.
+    pub(crate) fn all(self) -> Result<()> {
+        Error::all(self.kept).map_err(|mut all| {
+            all.0.more += self.more;
+            all
+        })
+    }
+}
+
+impl Extend<Error> for Problems {
+    fn extend<T: IntoIterator<Item = Error>>(&mut self, problems: T) {
+        problems.into_iter().for_each(|problem| self.push(problem));
+    }
+}
 
 impl Error {
     /// An error of the kind `code`; `what` is one sentence without a full stop.

@@ -75,6 +75,7 @@ pub mod hosted;
 #[cfg(feature = "live")]
 pub mod live;
 pub mod master;
+mod messages;
 pub mod names;
 pub mod observe;
 pub mod pace;

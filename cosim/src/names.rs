@@ -56,6 +56,11 @@ pub fn is_pattern(pattern: &str) -> bool {
     pattern.contains(['*', '?'])
 }
 
+/// What all names that match `pattern` start with.
+pub fn literal_start(pattern: &str) -> &str {
+    pattern.split(['*', '?']).next().unwrap_or_default()
+}
+
 /// Whether `name` matches `pattern`: `*` is any text, `?` one character, the rest is literal.
 pub fn matches(pattern: &str, name: &str) -> bool {
     let (pattern, name) = (pattern.as_bytes(), name.as_bytes());

@@ -332,6 +332,7 @@ impl Drive for Coordinator<'_> {
 
     fn resume(&mut self, state: &EngineState, time: Time, stop: Time) -> Result<()> {
         let _ = stop;
+        state.check(&self.plan, self.start, time, false)?;
         self.dispatcher.now = time;
         self.values.clone_from(&state.values);
         self.plan.take_texts(&state.texts, &mut self.values, &mut []);

@@ -11,7 +11,7 @@ use std::time::SystemTime;
 
 use sha2::{Digest, Sha256};
 
-use super::archive;
+use super::archive::{self, Room};
 use super::description::{self, Description, Interface, InterfaceType};
 use super::elf;
 use super::library::{self, Binary};
@@ -66,6 +66,11 @@ pub fn forget() {
 impl Fmu {
     /// Opens `path`, or shares an FMU with the same content that is already in use.
     pub fn open(path: &Path) -> Result<Arc<Self>> {
+        Self::open_within(path, &mut Room::default())
+    }
+
+    /// The same, if there is room for it beside other archives.
+    pub(crate) fn open_within(path: &Path, room: &mut Room) -> Result<Arc<Self>> {
         let identity = identity(path)?;
         let mut registry = REGISTRY.lock().unwrap_or_else(PoisonError::into_inner);
         let Registry { open, contents } = registry.get_or_insert_default();
@@ -80,14 +85,14 @@ impl Fmu {
         if let Some(fmu) = open.get(&content).and_then(Weak::upgrade) {
             return Ok(fmu);
         }
-        let fmu = Arc::new(Self::unpack(path)?);
+        let fmu = Arc::new(Self::unpack(path, room)?);
         open.retain(|_, fmu| fmu.strong_count() > 0);
         open.insert(content, Arc::downgrade(&fmu));
         Ok(fmu)
     }
 
-    fn unpack(path: &Path) -> Result<Self> {
-        let folder = archive::unpack_part(path, is_used)?;
+    fn unpack(path: &Path, room: &mut Room) -> Result<Self> {
+        let folder = archive::unpack_within(path, is_used, room)?;
         let file = folder.path().join("modelDescription.xml");
         if !file.is_file() {
             return Err(Error::new(Code::Archive, "the archive has no modelDescription.xml")

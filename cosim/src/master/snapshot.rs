@@ -12,6 +12,7 @@ use sha2::{Digest, Sha256};
 
 use super::engine::Engine;
 use super::patched_slave::Patches;
+use super::plan::{Node, Plan};
 use super::trend::{Ramp, Trend};
 use crate::error::{Code, Error, Result};
 use crate::files;
@@ -165,6 +166,45 @@ impl System {
     }
 }
 
+impl EngineState {
+    /// Fails if this cannot be a state at `time` of a run of this plan from `start`: the file was
+    /// made by hand. A step that ended long ago would have to be followed by any number of steps.
+    pub(crate) fn check(
+        &self,
+        plan: &Plan,
+        start: Time,
+        time: Time,
+        controlled: bool,
+    ) -> Result<()> {
+        let strange = |why: &str| {
+            Err(Error::new(Code::Snapshot, "the snapshot does not fit its own system")
+                .why(format!("{why}: the file was made by hand"))
+                .help("run the system again from its start"))
+        };
+        let fits = self.values.len() == plan.values
+            && self.inputs.len() == plan.inputs
+            && self.texts.len() == plan.value_texts.len() + plan.input_texts.len()
+            && self.ends.len() == plan.nodes.len()
+            && self.trends.len() == plan.trends.len()
+            && self.ramps.len() == plan.ramps.len()
+            && self.components.len() == plan.nodes.len();
+        if !fits {
+            return strange("it has a different number of values");
+        }
+        // A step may be a nanosecond longer than its rounded length.
+        let current = |(end, node): (&Time, &Node)| {
+            let rest = end.ns().saturating_sub(time.ns());
+            rest >= 0 && rest <= node.step.rounded().ns().saturating_add(1)
+        };
+        // With error control, all components begin their steps together.
+        let current = controlled || self.ends.iter().zip(&plan.nodes).all(current);
+        if !current || time < start {
+            return strange(&format!("its steps are not those of t = {time}"));
+        }
+        Ok(())
+    }
+}
+
 impl Engine {
     /// The state after all steps that end now or before.
     pub(crate) fn save(&mut self) -> Result<EngineState> {
@@ -187,17 +227,7 @@ impl Engine {
 
     /// Continues from a state of the instant `time`, after an initialization.
     pub(crate) fn restore(&mut self, state: &EngineState, time: Time) -> Result<()> {
-        let fits = state.values.len() == self.values.len()
-            && state.inputs.len() == self.inputs.len()
-            && state.texts.len() == self.plan.value_texts.len() + self.plan.input_texts.len()
-            && state.ends.len() == self.paces.len()
-            && state.trends.len() == self.trends.len()
-            && state.ramps.len() == self.ramps.len()
-            && state.components.len() == self.slaves.len();
-        if !fits {
-            return Err(Error::new(Code::Snapshot, "the snapshot does not fit its own system")
-                .why("it has a different number of values: the file was made by hand"));
-        }
+        state.check(&self.plan, self.start, time, self.control.is_some())?;
         self.values.clone_from(&state.values);
         self.inputs.clone_from(&state.inputs);
         self.plan.take_texts(&state.texts, &mut self.values, &mut self.inputs);

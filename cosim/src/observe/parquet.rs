@@ -111,6 +111,11 @@ impl Observer for ParquetRecorder {
     }
 }
 
+/// Bytes of numbers that are read at most, for each byte of the file and in addition to that: a page
+/// of a few bytes can stand for 2^31 equal values.
+const PER_BYTE: u64 = 128;
+const ANYWAY: u64 = 16 << 20;
+
 /// Reads results, also of other programs, if their first column is `time` and all columns are flat
 /// and contain numbers or Strings.
 pub(super) fn read(path: &Path) -> Result<Recording> {
@@ -118,6 +123,7 @@ pub(super) fn read(path: &Path) -> Result<Recording> {
         |why: String| Error::new(Code::Results, "the results cannot be read").at(path).why(why);
     let broken = |e: ParquetError| unread(e.to_string());
     let file = files::open_input(path).map_err(|e| unread(e.to_string()))?;
+    let size = file.metadata().map_err(|e| unread(e.to_string()))?.len();
     let reader = SerializedFileReader::new(file).map_err(broken)?;
     let schema = reader.metadata().file_metadata().schema_descr_ptr();
     let all = schema.columns();
@@ -127,6 +133,14 @@ pub(super) fn read(path: &Path) -> Result<Recording> {
     }
     if let Some(nested) = all.iter().find(|column| column.max_rep_level() > 0) {
         return Err(unread(format!("column '{}' holds lists", nested.name())));
+    }
+    let rows = reader.metadata().row_groups().iter().map(|group| group.num_rows().max(0) as u64);
+    let rows = rows.fold(0, u64::saturating_add);
+    let bytes = rows.saturating_mul(8 * all.len() as u64);
+    if bytes > size.saturating_mul(PER_BYTE).saturating_add(ANYWAY) {
+        let count = all.len();
+        return Err(unread(format!("{size} bytes claim to hold {rows} rows of {count} columns"))
+            .help("if they do, write the results as CSV or MCAP"));
     }
     let mut forms = vec![Form::Real; all.len()];
     let mut columns: Vec<Vec<f64>> = vec![Vec::new(); all.len()];

@@ -5,6 +5,8 @@
 //! sampled system does anyway. That is a note. A loop cut at a continuous value is solved only up
 //! to one step of delay, and that is a warning.
 
+use std::collections::HashMap;
+
 use super::order::Loop;
 use super::{Algorithm, Model, Port, System};
 use crate::error::{Code, Error, Result};
@@ -70,9 +72,11 @@ fn discrete(system: &System, port: Port) -> bool {
 fn describe(system: &System, found: &Loop) -> String {
     let name = |component: usize| system.components[component].name.as_str();
     let mut pairs: Vec<(usize, usize, String, usize)> = Vec::new();
+    let mut places = HashMap::new();
     for connection in found.held.iter().map(|&c| &system.connections[c]) {
         let (from, to) = (connection.from, connection.to);
-        match pairs.iter_mut().find(|p| (p.0, p.1) == (from.component, to.component)) {
+        let place = *places.entry((from.component, to.component)).or_insert(pairs.len());
+        match pairs.get_mut(place) {
             Some(pair) => pair.3 += 1,
             None => {
                 let first = format!("{} -> {}", system.port_name(from), system.port_name(to));

@@ -23,7 +23,7 @@ use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::error::{Code, Error, Result};
+use crate::error::{Code, Error, Problems, Result};
 use crate::fmi::{Causality, Description, Fmu, InterfaceType, Kind, Logging, Value};
 use crate::signals::Signals;
 use crate::solver;
@@ -201,7 +201,7 @@ impl System {
     /// returns the number of its components.
     pub fn read_text(text: &str) -> Result<usize> {
         let raw = read::read_text(text)?;
-        crate::Error::all(raw.problems)?;
+        raw.problems.all()?;
         Ok(raw.components.len())
     }
 
@@ -231,7 +231,7 @@ impl System {
     /// an FMU that a system of this file has used before, even if it has changed meanwhile.
     pub fn with(&self, overrides: &Overrides) -> Result<Self> {
         match &self.raw {
-            Some(raw) => check::check(raw.clone(), overrides, Vec::new()),
+            Some(raw) => check::check(raw.clone(), overrides, Problems::default()),
             None => Err(crate::Error::new(
                 crate::Code::Usage,
                 format!("'{}' does not come from a system description", self.name),

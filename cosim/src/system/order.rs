@@ -6,6 +6,9 @@
 //! the file does. In a loop of such edges (an algebraic loop), the members step in the order of the
 //! file, the edges back from later to earlier members are *held*, and the loop is reported.
 
+use std::cmp::Reverse;
+use std::collections::{BinaryHeap, HashMap};
+
 use super::{Algorithm, Component, Connection, Model};
 
 /// The result.
@@ -53,25 +56,35 @@ impl Order {
 
 /// Orders `nodes` nodes; `wants[i]` says whether `edges[i]` should be fresh.
 fn of_graph(nodes: usize, edges: &[(usize, usize)], wants: &[bool]) -> Order {
-    let reach = reachability(nodes, edges, wants);
-    let same_loop = |a: usize, b: usize| a == b || (reach[a][b] && reach[b][a]);
+    let mut next = vec![Vec::new(); nodes];
+    for (&(from, to), _) in edges.iter().zip(wants).filter(|(_, wants)| **wants) {
+        next[from].push(to);
+    }
+    let group = groups(&next);
+    let mut members = vec![Vec::new(); nodes];
+    let mut missing = vec![0_usize; nodes];
+    for node in 0..nodes {
+        members[group[node]].push(node);
+        for &to in next[node].iter().filter(|&&to| group[to] != group[node]) {
+            missing[group[to]] += 1;
+        }
+    }
+    // A group (a loop, or one node) is ready when everything that leads to it is placed.
+    let is_ready = |&node: &usize| group[node] == node && missing[node] == 0;
+    let mut ready: BinaryHeap<_> = (0..nodes).filter(is_ready).map(Reverse).collect();
     let mut place = vec![usize::MAX; nodes];
     let mut sequence: Vec<usize> = Vec::with_capacity(nodes);
-    while sequence.len() < nodes {
-        // A group (a loop, or one node) is ready when everything that reaches it is placed.
-        let ready = |&node: &usize| {
-            place[node] == usize::MAX
-                && (0..nodes).all(|other| {
-                    !reach[other][node] || same_loop(other, node) || place[other] != usize::MAX
-                })
-        };
-        // The groups form a graph without loops, so there is a ready one.
-        let Some(first) = (0..nodes).find(ready) else {
-            break;
-        };
-        for member in (first..nodes).filter(|&n| same_loop(first, n)) {
+    while let Some(Reverse(first)) = ready.pop() {
+        for &member in &members[first] {
             place[member] = sequence.len();
             sequence.push(member);
+        }
+        let targets = members[first].iter().flat_map(|&member| &next[member]);
+        for to in targets.map(|&to| group[to]).filter(|&to| to != first) {
+            missing[to] -= 1;
+            if missing[to] == 0 {
+                ready.push(Reverse(to));
+            }
         }
     }
     let fresh: Vec<bool> = edges
@@ -80,37 +93,61 @@ fn of_graph(nodes: usize, edges: &[(usize, usize)], wants: &[bool]) -> Order {
         .map(|(&(from, to), &wants)| wants && place[from] < place[to])
         .collect();
     let mut loops: Vec<Loop> = Vec::new();
-    for (edge, &(from, to)) in edges.iter().enumerate() {
+    let mut of_group = HashMap::new();
+    for (edge, &(_, to)) in edges.iter().enumerate() {
         if !wants[edge] || fresh[edge] {
             continue;
         }
-        match loops.iter_mut().find(|l| l.members.contains(&to)) {
-            Some(found) => found.held.push(edge),
-            None => loops.push(Loop {
-                members: sequence.iter().copied().filter(|&n| same_loop(from, n)).collect(),
-                held: vec![edge],
-                solved: false,
-            }),
+        let found = *of_group.entry(group[to]).or_insert(loops.len());
+        if found == loops.len() {
+            let members = std::mem::take(&mut members[group[to]]);
+            loops.push(Loop { members, held: Vec::new(), solved: false });
         }
+        loops[found].held.push(edge);
     }
     Order { sequence, fresh, loops }
 }
 
-/// `reach[a][b]`: a path of wanted edges leads from a to b (Warshall).
-fn reachability(nodes: usize, edges: &[(usize, usize)], wants: &[bool]) -> Vec<Vec<bool>> {
-    let mut reach = vec![vec![false; nodes]; nodes];
-    for (&(from, to), _) in edges.iter().zip(wants).filter(|(_, wants)| **wants) {
-        reach[from][to] = true;
-    }
-    for via in 0..nodes {
-        let row = reach[via].clone();
-        for from in reach.iter_mut().filter(|from| from[via]) {
-            for (target, &also) in from.iter_mut().zip(&row) {
-                *target |= also;
+/// For each node, the first of those that it reaches and that reach it (Tarjan 1972, without
+/// recursion).
+fn groups(next: &[Vec<usize>]) -> Vec<usize> {
+    const NONE: usize = usize::MAX;
+    let (mut found, mut lowest) = (vec![NONE; next.len()], vec![NONE; next.len()]);
+    let mut group = vec![NONE; next.len()];
+    let (mut count, mut ungrouped) = (0, Vec::new());
+    for root in 0..next.len() {
+        let mut open = Vec::new();
+        let mut entered = (found[root] == NONE).then_some(root);
+        loop {
+            if let Some(node) = entered.take() {
+                (found[node], lowest[node]) = (count, count);
+                count += 1;
+                ungrouped.push(node);
+                open.push((node, next[node].iter()));
+            }
+            let Some((node, rest)) = open.last_mut() else { break };
+            let node = *node;
+            if let Some(&to) = rest.next() {
+                if found[to] == NONE {
+                    entered = Some(to);
+                } else if group[to] == NONE {
+                    lowest[node] = lowest[node].min(found[to]);
+                }
+                continue;
+            }
+            open.pop();
+            if let Some(&(before, _)) = open.last() {
+                lowest[before] = lowest[before].min(lowest[node]);
+            }
+            if lowest[node] == found[node] {
+                let begin = ungrouped.iter().rposition(|&other| other == node).unwrap_or(0);
+                let members = ungrouped.split_off(begin);
+                let first = members.iter().copied().min().unwrap_or(node);
+                members.into_iter().for_each(|member| group[member] = first);
             }
         }
     }
-    reach
+    group
 }
 
 #[cfg(test)]
@@ -149,5 +186,28 @@ mod tests {
         let order = of_graph(1, &[(0, 0)], &[true]);
         assert_eq!(order.fresh, [false]);
         assert_eq!(order.loops[0].members, [0]);
+    }
+
+    #[test]
+    fn loops_that_share_a_member_are_one_and_the_first_of_a_file_goes_first() {
+        // 1 <-> 3 and 3 <-> 4 are one loop, 0 <-> 2 another, which 4 feeds.
+        let edges = [(1, 3), (3, 1), (3, 4), (4, 3), (0, 2), (2, 0), (4, 2)];
+        let order = of_graph(6, &edges, &[true; 7]);
+        assert_eq!(order.sequence, [1, 3, 4, 0, 2, 5]);
+        assert_eq!(order.loops.len(), 2);
+        assert_eq!(order.loops[0].members, [1, 3, 4]);
+        assert_eq!(order.loops[0].held, [1, 3]);
+        assert_eq!(order.loops[1].members, [0, 2]);
+        assert_eq!(order.loops[1].held, [5]);
+    }
+
+    #[test]
+    fn a_chain_of_many_components_needs_neither_a_matrix_nor_a_deep_stack() {
+        let count = 300_000;
+        let edges: Vec<_> = (1..count).map(|n| (n, n - 1)).chain([(0, count - 1)]).collect();
+        let order = of_graph(count, &edges, &vec![true; count]);
+        assert_eq!(order.loops[0].members.len(), count);
+        let order = of_graph(count, &edges[1..], &vec![true; count - 1]);
+        assert_eq!(order.sequence[1..4], [count - 1, count - 2, count - 3]);
     }
 }

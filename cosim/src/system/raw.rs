@@ -11,8 +11,9 @@ use crate::fmi::archive::Unpacked;
 use super::check::unknown_component;
 use super::function::Function;
 use super::opened::OpenedFmus;
-use crate::error::{Code, Error};
+use crate::error::{Code, Error, Problems};
 use crate::fmi::InterfaceType;
+use crate::messages::Warnings;
 use crate::units::Unit;
 
 /// A system with the parameter files it names.
@@ -37,10 +38,10 @@ pub(super) struct RawSystem {
     pub master: RawMaster,
     /// Patterns of the variables that the file wants recorded; empty: all outputs.
     pub recorded: Vec<String>,
-    pub warnings: Vec<String>,
+    pub warnings: Warnings,
     pub notes: Vec<String>,
     /// Problems found while reading.
-    pub problems: Vec<Error>,
+    pub problems: Problems,
 }
 
 /// A line of a file.
@@ -97,6 +98,7 @@ pub(crate) struct RawUnit {
     pub unit: Option<Unit>,
 }
 
+#[derive(Clone)]
 pub(super) struct RawParameter {
     /// Full name, `component.variable`.
     pub name: String,
@@ -184,6 +186,48 @@ impl RawSystem {
         self.recorded.retain(|pattern| !of(pattern));
         self.ports.iter_mut().for_each(|port| port.ends.retain(|end| !out(&end.name.0)));
         problems
+    }
+}
+
+impl RawUnit {
+    /// Its memory in bytes.
+    fn size(&self) -> usize {
+        size_of::<Self>() + self.name.len()
+    }
+}
+
+impl Stage {
+    /// Its memory in bytes.
+    pub(super) fn size(&self) -> usize {
+        let pairs = match &self.transformation {
+            None | Some(Transformation::Linear { .. }) => 0,
+            Some(Transformation::Boolean(pairs)) => pairs.len() * size_of::<(bool, bool)>(),
+            Some(Transformation::Integer(pairs)) => pairs.len() * size_of::<(i32, i32)>(),
+            Some(Transformation::Enumeration(pairs)) => {
+                let one =
+                    |(a, b): &(String, String)| size_of::<(String, String)>() + a.len() + b.len();
+                pairs.iter().map(one).sum()
+            }
+        };
+        size_of::<Self>() + pairs + self.unit.as_ref().map_or(0, RawUnit::size)
+    }
+}
+
+impl RawConnector {
+    /// Its memory in bytes.
+    pub(super) fn size(&self) -> usize {
+        let texts = self.name.len() + self.kind.len();
+        let kind = self.kind_of_value.as_ref().map_or(0, String::len);
+        size_of::<Self>() + texts + kind + self.unit.as_ref().map_or(0, RawUnit::size)
+    }
+}
+
+impl RawParameter {
+    /// Its memory in bytes.
+    pub(super) fn size(&self) -> usize {
+        let texts = self.name.len() + self.kind.len() + self.value.len();
+        let stages: usize = self.stages.iter().map(Stage::size).sum();
+        size_of::<Self>() + texts + stages + self.unit.as_ref().map_or(0, RawUnit::size)
     }
 }
 

@@ -11,34 +11,45 @@ use crate::command::text;
 use crate::models::{Model, pack};
 use crate::rawzip::{End, Entry, archive, archive_with};
 
-/// Address space of the binary in KiB, and time.
+/// Address space of the binary in KiB, and time, in seconds also that of the processor.
 const MEMORY: u32 = 3 << 20;
 const TIME: Duration = Duration::from_secs(60);
 
 /// A folder with the file to open and its own temporary folder.
-struct Workspace {
+pub(crate) struct Workspace {
     folder: TempDir,
 }
 
 impl Workspace {
-    fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let folder = TempDir::new().unwrap();
         std::fs::create_dir_all(folder.path().join("a/b/temporary")).unwrap();
         Self { folder }
     }
 
+    /// Writes a file beside the one to open.
+    pub(crate) fn put(&self, name: &str, bytes: impl AsRef<[u8]>) {
+        std::fs::write(self.folder.path().join("a/b").join(name), bytes).unwrap();
+    }
+
     /// Runs `cosim VERB FILE` for a file of these bytes: exit code and stderr.
-    fn run(&self, verb: &str, name: &str, bytes: &[u8]) -> (i32, String) {
+    pub(crate) fn run(&self, verb: &str, name: &str, bytes: &[u8]) -> (i32, String) {
         self.run_in(MEMORY, verb, name, bytes)
     }
 
     /// The same with a different memory limit, in KiB.
-    fn run_in(&self, memory: u32, verb: &str, name: &str, bytes: &[u8]) -> (i32, String) {
+    pub(crate) fn run_in(
+        &self,
+        memory: u32,
+        verb: &str,
+        name: &str,
+        bytes: &[u8],
+    ) -> (i32, String) {
         let inside = self.folder.path().join("a/b");
         std::fs::write(inside.join(name), bytes).unwrap();
         let before = self.files();
         let begun = Instant::now();
-        let limit = format!("ulimit -v {memory}; exec \"$@\"");
+        let limit = format!("ulimit -v {memory}; ulimit -t {}; exec \"$@\"", TIME.as_secs());
         let output = Command::new("sh")
             .args(["-c", &limit, "sh", env!("CARGO_BIN_EXE_cosim")])
             .args(verb.split(' '))
@@ -275,11 +286,11 @@ fn bombs() {
 }
 
 /// An archive whose description is `text`.
-fn described(text: impl AsRef<[u8]>) -> Vec<u8> {
+pub(crate) fn described(text: impl AsRef<[u8]>) -> Vec<u8> {
     archive(&[Entry::new("modelDescription.xml", text.as_ref())])
 }
 
-fn with_variables(variables: &str) -> String {
+pub(crate) fn with_variables(variables: &str) -> String {
     let all = Model::Gain.description();
     all.replace("<ModelVariables>", &format!("<ModelVariables>{variables}"))
 }

@@ -33,6 +33,7 @@ mod mcap;
 mod models;
 mod mutations;
 mod osp;
+mod oversized;
 mod rawzip;
 mod remote;
 mod reports;

@@ -7,8 +7,10 @@ mod readers;
 
 use std::time::{Duration, Instant};
 
-use cosim::observe::McapRecorder;
-use cosim::{Overrides, Run, Snapshot, System, Time};
+use cosim::observe::{self, McapRecorder};
+use cosim::roles::Declaration;
+use cosim::scenario::Scenario;
+use cosim::{Code, Overrides, Recording, Run, Snapshot, System, Time};
 use tempfile::TempDir;
 
 use crate::models::Model;
@@ -161,6 +163,54 @@ fn tables() {
     survive(6, readers::TABLE.as_bytes(), 3000, readers::csv);
 }
 
+#[test]
+fn mappings() {
+    survive(11, readers::MAPPING.as_bytes(), 1000, readers::ssm);
+}
+
+#[test]
+fn dictionaries() {
+    survive(12, readers::DICTIONARY.as_bytes(), 1000, readers::ssb);
+}
+
+#[test]
+fn scenarios() {
+    survive(13, readers::FAULTS.as_bytes(), 2000, readers::scenario);
+    survive(14, include_bytes!("../../../examples/dvl_fault.json"), 2000, readers::scenario);
+}
+
+#[test]
+fn campaigns() {
+    survive(15, include_bytes!("../../../examples/campaign/filters.toml"), 1000, readers::campaign);
+}
+
+#[test]
+fn roles() {
+    survive(16, readers::ROLES.as_bytes(), 2000, readers::roles);
+}
+
+/// The seeds of the readers that need an ending, or another file, are valid.
+#[test]
+fn the_seeds_are_read_as_what_they_are() {
+    let folder = TempDir::new().unwrap();
+    let write = |name: &str, bytes: &[u8]| {
+        let file = folder.path().join(name);
+        std::fs::write(&file, bytes).unwrap();
+        file
+    };
+    Scenario::read(write("f.toml", readers::FAULTS.as_bytes())).unwrap();
+    Declaration::read(write("r.toml", readers::ROLES.as_bytes())).unwrap();
+    Snapshot::read(write("s.snapshot", &readers::state_of_sum())).unwrap();
+    for name in ["r.mcap", "r.parquet"] {
+        let file = folder.path().join(name);
+        system().run(&mut [&mut *observe::create(&file).unwrap()]).unwrap();
+        assert!(Recording::read(&file).unwrap().time().len() > 5);
+        // Its name alone chooses the reader.
+        let table = write(name, readers::TABLE.as_bytes());
+        assert_eq!(Recording::read(table).unwrap_err().code(), Code::Results);
+    }
+}
+
 /// A system whose runs produce files to mutate.
 fn system() -> System {
     let ssd = Ssd::new().add("a", Model::Clock).add("b", Model::Integrator).connect("a.y", "b.u");
@@ -182,6 +232,20 @@ fn results() {
             readers::mcap(&wrong);
         }
     }
+}
+
+#[test]
+fn results_as_parquet() {
+    let file = TempDir::new().unwrap().path().with_extension("parquet");
+    system().run(&mut [&mut *observe::create(&file).unwrap()]).unwrap();
+    let good = std::fs::read(&file).unwrap();
+    std::fs::remove_file(&file).unwrap();
+    survive(17, &good, 1500, readers::parquet);
+}
+
+#[test]
+fn states() {
+    survive(18, &readers::state_of_sum(), 1500, readers::snapshot);
 }
 
 #[test]

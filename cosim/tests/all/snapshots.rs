@@ -4,6 +4,7 @@ use std::path::Path;
 
 use cosim::observe::{Continued, CsvRecorder};
 use cosim::{Algorithm, Code, Input, Observer, Overrides, Recording, Run, Snapshot, System, Time};
+use sha2::{Digest, Sha256};
 use tempfile::TempDir;
 
 use crate::formats::Folder;
@@ -178,6 +179,55 @@ fn what_is_damaged_or_of_another_system_is_refused() {
     let late = system.with(&Overrides::new().stop_time(0.4)).unwrap();
     let error = Run::new(&late).resume(&snapshots[0]).go().unwrap_err();
     assert_eq!(error.code(), Code::Timing);
+}
+
+/// A time as it is in the file: its sign in the lowest bit, seven bits a byte.
+fn encoded(ns: i64) -> Vec<u8> {
+    let mut rest = (ns << 1 ^ ns >> 63) as u64;
+    let mut bytes = Vec::new();
+    while rest > 0x7f {
+        bytes.push(rest as u8 | 0x80);
+        rest >>= 7;
+    }
+    bytes.push(rest as u8);
+    bytes
+}
+
+/// Otherwise a run would make up for all steps since then: 10^11.
+#[test]
+fn times_that_no_run_has_are_refused() {
+    let folder = TempDir::new().unwrap();
+    let file = folder.path().join("x.snapshot");
+    let ssd = Ssd::new().add("g", Gain).add("x", Integrator).connect("g.y", "x.u");
+    let system = ssd.load(&Overrides::new()).unwrap();
+    let (_, snapshots) = whole(&system, 0.5);
+    snapshots[0].write(&file).unwrap();
+    let good = std::fs::read(&file).unwrap();
+    assert_eq!(snapshots[0].time(), seconds(0.5));
+    let step = system.components()[0].step.rounded();
+    let (now, end) = (encoded(500_000_000), encoded((seconds(0.5) + step).ns()));
+    let count = good.windows(end.len()).filter(|window| **window == end).count();
+    assert_eq!(count, 2, "the ends of the steps of both components");
+    let refused = |wanted: &[u8], ns: i64| {
+        let at = good.windows(wanted.len()).position(|window| window == wanted).unwrap();
+        let mut bytes = good.clone();
+        bytes.splice(at..at + wanted.len(), encoded(ns));
+        let digest = Sha256::digest(&bytes[44..]);
+        bytes[12..44].copy_from_slice(&digest);
+        std::fs::write(&file, bytes).unwrap();
+        let snapshot = Snapshot::read(&file).unwrap();
+        let error = Run::new(&system).resume(&snapshot).go().unwrap_err();
+        assert_eq!(error.code(), Code::Snapshot, "{error}");
+        assert!(error.to_string().contains("its steps are not those of"), "{error}");
+    };
+    for ns in [i64::MIN, -1, 0, 400_000_000, 900_000_000, i64::MAX] {
+        refused(&end, ns);
+    }
+    for ns in [i64::MIN, -1, 0, 300_000_000] {
+        refused(&now, ns);
+    }
+    std::fs::write(&file, &good).unwrap();
+    Run::new(&system).resume(&Snapshot::read(&file).unwrap()).go().unwrap();
 }
 
 #[test]

@@ -41,10 +41,20 @@ fn of(target: &str) -> Result<Vec<Vec<u8>>> {
             [vec![samples::package()], examples].concat()
         }
         "ssv" => vec![samples::PARAMETERS.into()],
+        "ssm" => vec![samples::MAPPING.into()],
+        "ssb" => vec![samples::DICTIONARY.into()],
         "osp" => vec![samples::structure()],
+        "scenario" => {
+            let own = samples::FAULTS.into();
+            let faults = committed("examples/campaign/faults", "toml")?;
+            [vec![own], committed("examples", "json")?, faults].concat()
+        }
+        "campaign" => committed("examples/campaign", "toml")?,
+        "roles" => vec![samples::ROLES.into()],
         "csv" => [vec![samples::TABLE.into()], committed("examples", "csv")?].concat(),
-        "mcap" => vec![files_of_a_run()?.0],
-        "snapshot" => vec![files_of_a_run()?.1],
+        "mcap" => vec![results("mcap")?],
+        "parquet" => vec![results("parquet")?],
+        "snapshot" => vec![state_of_sum()?],
         "message" => vec![samples::step()],
         _ => Vec::new(),
     })
@@ -59,15 +69,24 @@ fn committed(folder: &Path, ending: &str) -> Result<Vec<Vec<u8>>> {
     files.iter().map(|file| fs::read(file).with_context(|| file.display().to_string())).collect()
 }
 
-/// Results as MCAP and a snapshot of a GPS that runs for three seconds.
-fn files_of_a_run() -> Result<(Vec<u8>, Vec<u8>)> {
+/// A snapshot of the system of functions that the target can run.
+fn state_of_sum() -> Result<Vec<u8>> {
     let folder = paths::target().join("fuzz");
-    let (results, state) = (folder.join("run.mcap"), folder.join("run.snapshot"));
+    let (file, state) = (folder.join("sum.xml"), folder.join("sum.snapshot"));
+    fs::write(&file, samples::SUM)?;
+    let system = System::load(&file, &Overrides::new())?;
+    let mut keep = |snapshot: Snapshot| snapshot.write(&state);
+    let middle = [Time::from_ns(500_000_000)];
+    Run::new(&system).snapshots(None, &middle, &mut keep).go()?;
+    Ok(fs::read(&state)?)
+}
+
+/// Results of a GPS that runs for three seconds.
+fn results(ending: &str) -> Result<Vec<u8>> {
+    let results = paths::target().join("fuzz").join("run").with_extension(ending);
     let overrides = Overrides::new().stop_time(3.0);
     let system = System::single(&paths::fmus().join("Gps.fmu"), &overrides, None)?;
     let mut observer = observe::create(&results)?;
-    let mut keep = |snapshot: Snapshot| snapshot.write(&state);
-    let middle = [Time::from_ns(1_500_000_000)];
-    Run::new(&system).observe(&mut *observer).snapshots(None, &middle, &mut keep).go()?;
-    Ok((fs::read(&results)?, fs::read(&state)?))
+    Run::new(&system).observe(&mut *observer).go()?;
+    Ok(fs::read(&results)?)
 }

@@ -5,6 +5,7 @@
 
 use std::path::Path;
 
+use crate::messages::Messages;
 use crate::names;
 use crate::xml::Element;
 
@@ -126,16 +127,14 @@ const KNOWN: &[(&str, &str, &[&str], &[&str])] = &[
 
 /// Everything in the tree under `root` that FMI 2.0 does not define.
 pub(super) fn unknown(root: &Element, file: &Path) -> Vec<String> {
-    let mut found = Found { file, reported: Vec::new(), more: 0 };
+    let mut found = Found { file, reported: Messages::default() };
     found.walk("", root);
-    let more = (found.more > 0).then(|| format!("and {} more of this kind", found.more));
-    found.reported.into_iter().chain(more).collect()
+    found.reported.into_vec()
 }
 
 struct Found<'a> {
     file: &'a Path,
-    reported: Vec<String>,
-    more: usize,
+    reported: Messages<REPORTED>,
 }
 
 impl Found<'_> {
@@ -160,10 +159,6 @@ impl Found<'_> {
     }
 
     fn report(&mut self, what: String, line: usize, name: &str, known: &[&str]) {
-        if self.reported.len() >= REPORTED {
-            self.more += 1;
-            return;
-        }
         let hint = names::did_you_mean(name, known.iter().copied());
         let hint = hint.map_or(String::new(), |hint| format!(" ({hint})"));
         let place = format!("{}:{line}", self.file.display());

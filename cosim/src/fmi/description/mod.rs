@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use std::collections::HashMap;
-use std::sync::Arc;
+use std::collections::{HashMap, HashSet};
+use std::sync::{Arc, OnceLock};
 
 use fmu_standard::Basic;
 pub use fmu_standard::{Causality, InterfaceType, Variability};
@@ -51,6 +51,8 @@ pub struct Description {
     /// Elements and attributes in this file that FMI 2.0 does not define, and that were ignored.
     pub warnings: Vec<String>,
     positions: HashMap<String, usize>,
+    /// The inputs that any output depends on, once they are needed; `None` inside: all.
+    feeding: OnceLock<Option<HashSet<usize>>>,
 }
 
 /// The part for co-simulation or for model exchange.
@@ -195,6 +197,7 @@ impl Description {
             variables,
             outputs,
             positions,
+            feeding: OnceLock::new(),
         }
     }
 
@@ -224,9 +227,12 @@ impl Description {
     /// Whether any output depends on that input without delay. An output without a list of
     /// dependencies depends on every input (FMI 2.0.5, 2.2.8).
     pub fn feeds_through(&self, input: usize) -> bool {
-        self.outputs.iter().any(|output| {
-            output.dependencies.as_ref().is_none_or(|dependencies| dependencies.contains(&input))
-        })
+        let feeding = self.feeding.get_or_init(|| {
+            let all: Option<Vec<_>> =
+                self.outputs.iter().map(|o| o.dependencies.as_ref()).collect();
+            all.map(|lists| lists.into_iter().flatten().copied().collect())
+        });
+        feeding.as_ref().is_none_or(|feeding| feeding.contains(&input))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use fmu_standard::Initial;
 
@@ -124,6 +124,7 @@ impl Reader<'_> {
             warnings: known::unknown(root, self.file),
             variables,
             positions,
+            feeding: OnceLock::new(),
         })
     }
 

@@ -46,15 +46,20 @@ impl Value {
     }
 }
 
+/// The number of items that an error names.
+const MOST_SHOWN: usize = 50;
+
 fn enumeration(text: &str, items: &[(String, i32)]) -> Result<Value, ValueError> {
     let number = text.parse::<i32>().ok();
     let found = items.iter().find(|(name, value)| name == text || Some(*value) == number);
     if let Some((_, value)) = found {
         return Ok(Value::Integer(*value));
     }
-    let names: Vec<&str> = items.iter().map(|(name, _)| name.as_str()).collect();
-    let hint = names::did_you_mean(text, names.iter().copied()).unwrap_or_default();
-    Err(ValueError(format!("'{text}' is not one of {}; {hint}", names.join(", "))))
+    let names = || items.iter().map(|(name, _)| name.as_str());
+    let hint = names::did_you_mean(text, names()).unwrap_or_default();
+    let mut shown: Vec<&str> = names().take(MOST_SHOWN).collect();
+    shown.extend((items.len() > MOST_SHOWN).then_some("..."));
+    Err(ValueError(format!("'{text}' is not one of {}; {hint}", shown.join(", "))))
 }
 
 impl fmt::Display for Value {

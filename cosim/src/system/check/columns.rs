@@ -1,16 +1,23 @@
 //! Which variables are recorded; Strings only if requested.
 
+use std::collections::HashSet;
+
 use super::Names;
-use crate::error::{Code, Error, Result};
+use crate::error::{Code, Error, Problems, Result};
 use crate::fmi::{Causality, Kind};
 use crate::names;
 use crate::system::Column;
 
+/// Maximum number of comparisons of names and patterns, longer ones counting more: both may come
+/// from files.
+const MAX_EFFORT: usize = 1 << 30;
+
 /// Columns that match the patterns, in order; all outputs if there are no patterns.
 pub(in crate::system) fn columns(names: &Names, patterns: &[String]) -> Result<Vec<Column>> {
     let mut columns: Vec<Column> = Vec::new();
+    let mut ports = HashSet::new();
     let mut add = |name: String, port, kind: &Kind| {
-        if !columns.iter().any(|c: &Column| c.port == port) {
+        if ports.insert(port) {
             let unit = names.unit(port);
             columns.push(Column { name, port, kind: kind.clone(), unit });
         }
@@ -22,15 +29,16 @@ pub(in crate::system) fn columns(names: &Names, patterns: &[String]) -> Result<V
             }
         }
     }
-    let mut problems = Vec::new();
+    let mut problems = Problems::default();
+    let mut effort = 0;
     for pattern in patterns {
         let result = match names::is_pattern(pattern) {
-            true => by_pattern(names, pattern, &mut add),
+            true => by_pattern(names, pattern, &mut effort, &mut add),
             false => by_name(names, pattern, &mut add),
         };
         problems.extend(result.err());
     }
-    Error::all(problems)?;
+    problems.all()?;
     Ok(columns)
 }
 
@@ -58,10 +66,20 @@ fn by_name(
 fn by_pattern(
     names: &Names,
     pattern: &str,
+    effort: &mut usize,
     add: &mut impl FnMut(String, crate::system::Port, &Kind),
 ) -> Result<()> {
     let mut found = false;
-    for (name, port, variable) in names.all() {
+    *effort += names.components();
+    for (name, port, variable) in names.starting_with(names::literal_start(pattern)) {
+        *effort += 1 + pattern.len() * name.len() / 64;
+        if *effort > MAX_EFFORT {
+            return Err(Error::new(Code::Usage, "too many patterns of recorded variables")
+                .why(format!(
+                    "comparing them with all variables takes too long, from '{pattern}' on"
+                ))
+                .help("record fewer patterns, or name the variables"));
+        }
         if names::matches(pattern, &name) {
             add(name, port, &variable.kind);
             found = true;

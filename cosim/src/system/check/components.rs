@@ -1,6 +1,7 @@
 //! Components: their names, FMUs and listed connectors.
 
-use std::path::Path;
+use std::collections::{HashMap, HashSet};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::Findings;
@@ -44,8 +45,9 @@ pub(super) fn open(raw: &RawSystem, overrides: &Overrides, findings: &mut Findin
         }
     }
     let mut opened: Vec<Opened> = Vec::new();
+    let mut names = HashSet::new();
     for component in &raw.components {
-        if opened.iter().any(|o| o.name == component.name) {
+        if !names.insert(&component.name) {
             let what = format!("two components are named '{}'", component.name);
             findings.problems.push(component.place.mark(Error::new(Code::Ssd, what)));
         }
@@ -197,13 +199,12 @@ pub(super) fn same_kind(named: &str, kind: &Kind) -> bool {
 }
 
 fn once_per_process(opened: &[Opened], findings: &mut Findings) {
-    for (position, component) in opened.iter().enumerate() {
+    let mut first: HashMap<*const Fmu, &Opened> = HashMap::new();
+    for component in opened {
         let Some(fmu) = component.fmu() else { continue };
         let once = fmu.interface(component.interface).is_ok_and(|i| i.once_per_process);
-        let twin = opened[..position]
-            .iter()
-            .find(|o| o.fmu().is_some_and(|other| Arc::ptr_eq(other, fmu)));
-        if let (true, Some(twin)) = (once, twin) {
+        let twin = *first.entry(Arc::as_ptr(fmu)).or_insert(component);
+        if once && !std::ptr::eq(twin, component) {
             let what = format!("'{}' and '{}' share one FMU", twin.name, component.name);
             findings.problems.push(Error::new(Code::Ssd, what).at(fmu.path()).why(
                 "it declares canBeInstantiatedOnlyOncePerProcess: only one component may use it",
@@ -236,14 +237,18 @@ pub(super) fn variable<'m>(
     ))
 }
 
+/// The number of components that an error names: a file can have a million.
+const MOST_NAMED: usize = 50;
+
 /// The error for a component that does not exist.
 pub(in crate::system) fn unknown_component<'a>(
     name: &str,
     known: impl Iterator<Item = &'a str> + Clone,
 ) -> Error {
-    let list: Vec<&str> = known.clone().collect();
+    let list: Vec<&str> = known.clone().take(MOST_NAMED).collect();
+    let more = if list.len() == MOST_NAMED { ", ..." } else { "" };
     Error::new(Code::UnknownName, format!("there is no component '{name}'")).help(
         names::did_you_mean(name, known)
-            .unwrap_or_else(|| format!("the components are: {}", list.join(", "))),
+            .unwrap_or_else(|| format!("the components are: {}{more}", list.join(", "))),
     )
 }

@@ -1,5 +1,7 @@
 //! Notes on connections, collected over all of them.
 
+use crate::messages::Warnings;
+
 /// How many connections without a unit at one end are listed in their common note.
 const SHOWN: usize = 3;
 
@@ -23,7 +25,7 @@ pub(super) struct Dropped {
 }
 
 impl ConnectionNotes {
-    pub(super) fn report(self, warnings: &mut Vec<String>, notes: &mut Vec<String>) {
+    pub(super) fn report(self, warnings: &mut Warnings, notes: &mut Vec<String>) {
         for all in self.dropped.chunk_by(|one, next| one.to.0 == next.to.0) {
             warnings.extend(all.first().map(|first| first.text(all)));
         }

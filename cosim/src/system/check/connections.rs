@@ -1,39 +1,49 @@
 //! Checks connections: both ends exist, an output drives an input of its type, and no other does.
 
+use std::collections::HashMap;
+
 use super::Findings;
 use super::components::{Opened, unknown_component, variable};
 use super::connection_notes::{ConnectionNotes, Dropped};
 use super::conversion::{self, Measured, Way};
+use super::places::Places;
 use crate::error::{Code, Error, Result};
 use crate::fmi::{Causality, Kind, Variable};
+use crate::messages::Warnings;
 use crate::names;
 use crate::system::raw::{RawConnection, RawConnector, RawSystem};
 use crate::system::{Connection, Model, Port};
 
 pub(super) fn check(
     raw: &RawSystem,
+    places: &Places<'_>,
     opened: &[Opened],
     findings: &mut Findings,
 ) -> Vec<Connection> {
-    let mut connections: Vec<(Connection, &RawConnection)> = Vec::new();
+    let mut connections: Vec<Connection> = Vec::new();
+    let mut drivers: HashMap<Port, &RawConnection> = HashMap::new();
     let mut notes = ConnectionNotes::default();
     for connection in &raw.connections {
-        let checker = Checker { raw, opened, connection };
+        let checker = Checker { raw, places, opened, connection };
         let found = checker.check(&mut findings.warnings, &mut notes);
         let Some(found) = findings.note(found).flatten() else {
             continue;
         };
-        match connections.iter().find(|(other, _)| other.to == found.to) {
-            None => connections.push((found, connection)),
-            Some((_, first)) => findings.problems.push(checker.two_drivers(&found, first)),
+        match drivers.get(&found.to) {
+            None => {
+                drivers.insert(found.to, connection);
+                connections.push(found);
+            }
+            Some(first) => findings.problems.push(checker.two_drivers(&found, first)),
         }
     }
     notes.report(&mut findings.warnings, &mut findings.notes);
-    connections.into_iter().map(|(connection, _)| connection).collect()
+    connections
 }
 
 struct Checker<'a> {
     raw: &'a RawSystem,
+    places: &'a Places<'a>,
     opened: &'a [Opened],
     connection: &'a RawConnection,
 }
@@ -53,7 +63,7 @@ impl<'a> Checker<'a> {
     /// `None`: dropped with a warning, or depends on an FMU that could not be opened.
     fn check(
         &self,
-        warnings: &mut Vec<String>,
+        warnings: &mut Warnings,
         notes: &mut ConnectionNotes,
     ) -> Result<Option<Connection>> {
         let (from, to) = self.directed();
@@ -85,7 +95,7 @@ impl<'a> Checker<'a> {
     fn directed(&self) -> (&'a Name, &'a Name) {
         let (first, second) = (&self.connection.from, &self.connection.to);
         let causality = |name: &Name| {
-            let component = self.opened.iter().find(|o| o.name == name.0)?;
+            let component = &self.opened[self.places.component(&name.0)?];
             Some(component.description()?.variable(&name.1)?.causality)
         };
         let (a, b) = (causality(first), causality(second));
@@ -102,14 +112,14 @@ impl<'a> Checker<'a> {
         kind: &str,
     ) -> Result<Option<(usize, &'a Model)>> {
         let names = self.raw.components.iter().map(|c| c.name.as_str());
-        let Some(position) = self.raw.components.iter().position(|c| c.name == *component) else {
+        let Some(position) = self.places.component(component) else {
             return Err(self.place(unknown_component(component, names)));
         };
         let model = self.opened[position].model.as_ref();
         let Some(listed) = &self.raw.components[position].connectors else {
             return Ok(model.map(|model| (position, model)));
         };
-        if listed.iter().any(|c| c.name == *connector) {
+        if self.places.connector(position, connector).is_some() {
             return Ok(model.map(|model| (position, model)));
         }
         let description = model.and_then(Model::description);
@@ -150,9 +160,7 @@ impl<'a> Checker<'a> {
                     .help("use an FMU with the same outputs"),
                 _ => self.place(unknown),
             })?;
-        let connectors = self.raw.components[component].connectors.as_ref();
-        let listed = connectors.filter(|_| !opened.replaced);
-        let listed = listed.and_then(|list| list.iter().find(|c| c.name == *name));
+        let listed = self.places.connector(component, name).filter(|_| !opened.replaced);
         Ok(End { port: Port { component, variable: position }, variable, model, listed })
     }
 
@@ -187,7 +195,7 @@ impl<'a> Checker<'a> {
         &self,
         from: &End<'_>,
         to: &End<'_>,
-        warnings: &mut Vec<String>,
+        warnings: &mut Warnings,
         notes: &mut ConnectionNotes,
     ) -> Result<Option<crate::system::Conversion>> {
         let name = |end: &End<'_>| {

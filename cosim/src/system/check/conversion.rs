@@ -5,6 +5,8 @@
 //! the same dimension it is converted, unless the connection suppresses that; different dimensions
 //! are an error.
 
+use std::collections::HashMap;
+
 use crate::error::{Code, Error, Result};
 use crate::fmi::{Kind, Variable};
 use crate::names;
@@ -181,27 +183,44 @@ pub(super) fn map(from: &Kind, to: &Kind, stages: &[Stage]) -> Result<Option<Vec
                 Kind::Integer | Kind::Enumeration(_),
             ) => entries.clone(),
             (Transformation::Enumeration(names), Kind::Enumeration(a), Kind::Enumeration(b)) => {
-                let pairs = names.iter().map(|(from, to)| Ok((item(from, a)?, item(to, b)?)));
+                let (a, b) = (Items::of(a), Items::of(b));
+                let pairs = names.iter().map(|(from, to)| Ok((a.value(from)?, b.value(to)?)));
                 pairs.collect::<Result<Vec<_>>>()?
             }
             (other, ..) => return Err(misfit(other, from, to)),
         };
         whole = Some(match whole {
             None => entries,
-            Some(before) => before
-                .into_iter()
-                .filter_map(|(a, b)| entries.iter().find(|e| e.0 == b).map(|e| (a, e.1)))
-                .collect(),
+            Some(before) => {
+                // Of two entries for one value, the first counts.
+                let next: HashMap<i32, i32> = entries.into_iter().rev().collect();
+                before.into_iter().filter_map(|(a, b)| Some((a, *next.get(&b)?))).collect()
+            }
         });
     }
     Ok(whole)
 }
 
-fn item(name: &str, items: &[(String, i32)]) -> Result<i32> {
-    items.iter().find(|(n, _)| n == name).map(|(_, value)| *value).ok_or_else(|| {
-        Error::new(Code::UnknownName, format!("the enumeration has no item '{name}'"))
-            .maybe_help(names::did_you_mean(name, items.iter().map(|(n, _)| n.as_str())))
-    })
+/// The items of an enumeration by name; of two with one name, the first counts.
+struct Items<'a> {
+    all: &'a [(String, i32)],
+    values: HashMap<&'a str, i32>,
+}
+
+impl<'a> Items<'a> {
+    fn of(all: &'a [(String, i32)]) -> Self {
+        Self {
+            all,
+            values: all.iter().rev().map(|(name, value)| (name.as_str(), *value)).collect(),
+        }
+    }
+
+    fn value(&self, name: &str) -> Result<i32> {
+        self.values.get(name).copied().ok_or_else(|| {
+            Error::new(Code::UnknownName, format!("the enumeration has no item '{name}'"))
+                .maybe_help(names::did_you_mean(name, self.all.iter().map(|(n, _)| n.as_str())))
+        })
+    }
 }
 
 fn misfit(transformation: &Transformation, from: &Kind, to: &Kind) -> Error {

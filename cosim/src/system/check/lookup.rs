@@ -11,7 +11,11 @@ use crate::system::{Component, Model, Port};
 
 /// The names of a system's variables.
 pub(in crate::system) struct Names {
+    /// In the order of the components.
     targets: Vec<Target>,
+    /// Their positions in the order of their prefixes, each with the place in this list of the
+    /// longest other prefix that it starts with.
+    sorted: Vec<(usize, Option<usize>)>,
     /// A component could not be opened, so a correct name may not be found.
     incomplete: bool,
 }
@@ -30,14 +34,14 @@ impl Names {
             component,
             model: opened.model.clone(),
         });
-        Self { targets: targets.collect(), incomplete: opened.iter().any(|o| o.model.is_none()) }
+        Self::new(targets.collect(), opened.iter().any(|o| o.model.is_none()))
     }
 
     /// Names of one FMU without a prefix.
     pub(in crate::system) fn single(fmu: &Arc<Fmu>) -> Self {
         let model = Some(Model::Fmu(fmu.clone()));
         let target = Target { prefix: String::new(), component: 0, model };
-        Self { targets: vec![target], incomplete: false }
+        Self::new(vec![target], false)
     }
 
     /// Names of components with the prefix `component.`, or of the first one without it.
@@ -47,7 +51,42 @@ impl Names {
             let prefix = if prefixed { format!("{}.", c.name) } else { String::new() };
             Some(Target { prefix, component, model: Some(c.model.clone()) })
         });
-        Self { targets: targets.collect(), incomplete: false }
+        Self::new(targets.collect(), false)
+    }
+
+    fn new(targets: Vec<Target>, incomplete: bool) -> Self {
+        let prefix = |at: usize| targets[at].prefix.as_str();
+        let mut order: Vec<usize> = (0..targets.len()).collect();
+        // Stable: of two components with one name, the last is found.
+        order.sort_by_key(|&at| prefix(at));
+        let mut sorted: Vec<(usize, Option<usize>)> = Vec::with_capacity(order.len());
+        for at in order {
+            let mut shorter = sorted.len().checked_sub(1);
+            while let Some(place) = shorter {
+                let (other, next) = sorted[place];
+                if prefix(at).starts_with(prefix(other)) {
+                    break;
+                }
+                shorter = next;
+            }
+            sorted.push((at, shorter));
+        }
+        Self { targets, sorted, incomplete }
+    }
+
+    /// The component with the longest prefix that a name starts with: names of components may
+    /// contain dots.
+    fn target(&self, name: &str) -> Option<&Target> {
+        let after = self.sorted.partition_point(|&(at, _)| *self.targets[at].prefix <= *name);
+        let mut place = after.checked_sub(1);
+        while let Some((at, shorter)) = place.map(|place| self.sorted[place]) {
+            let target = &self.targets[at];
+            if name.starts_with(&target.prefix) {
+                return Some(target);
+            }
+            place = shorter;
+        }
+        None
     }
 
     /// A port by full name.
@@ -57,13 +96,7 @@ impl Names {
 
     /// A port and its variable by full name; `None` if its component could not be opened.
     pub(in crate::system) fn find(&self, name: &str) -> Result<Option<(Port, &Variable)>> {
-        // Names of components may contain dots: the longest match is meant.
-        let target = self
-            .targets
-            .iter()
-            .filter(|t| name.starts_with(&t.prefix))
-            .max_by_key(|t| t.prefix.len());
-        let Some(target) = target else {
+        let Some(target) = self.target(name) else {
             return Err(self.unknown(name));
         };
         let Some(model) = &target.model else {
@@ -91,13 +124,25 @@ impl Names {
 
     /// The unit of a variable, as named and defined in its description.
     pub(in crate::system) fn unit(&self, port: Port) -> Option<RawUnit> {
-        let target = self.targets.iter().find(|target| target.component == port.component)?;
-        target.model.as_ref()?.unit(port.variable)
+        let found = self.targets.binary_search_by_key(&port.component, |target| target.component);
+        self.targets[found.ok()?].model.as_ref()?.unit(port.variable)
     }
 
     /// Every variable with its full name, component by component.
     pub(in crate::system) fn all(&self) -> impl Iterator<Item = (String, Port, &Variable)> {
-        self.targets.iter().flat_map(|target| {
+        self.starting_with("")
+    }
+
+    /// Those whose full name may start with `start`.
+    pub(in crate::system) fn starting_with<'a>(
+        &'a self,
+        start: &'a str,
+    ) -> impl Iterator<Item = (String, Port, &'a Variable)> {
+        let may = move |target: &&Target| {
+            let prefix = target.prefix.as_str();
+            prefix.starts_with(start) || start.starts_with(prefix)
+        };
+        self.targets.iter().filter(may).flat_map(|target| {
             let description = target.model.as_ref().and_then(Model::description);
             let variables = description.into_iter().flat_map(|d| &d.variables).enumerate();
             variables.map(|(position, variable)| {
@@ -105,6 +150,11 @@ impl Names {
                 (format!("{}{}", target.prefix, variable.name), port, variable)
             })
         })
+    }
+
+    /// The number of components.
+    pub(in crate::system) fn components(&self) -> usize {
+        self.targets.len()
     }
 
     pub(in crate::system) fn incomplete(&self) -> bool {

@@ -7,17 +7,20 @@ mod connections;
 mod conversion;
 mod lookup;
 mod parameters;
+mod places;
 mod ports;
 mod timing;
 
 use std::sync::Arc;
 
+use places::Places;
 use timing::Timing;
 
 use super::order::Order;
 use super::raw::RawSystem;
 use super::{Component, Overrides, System, abilities, input, loops};
-use crate::error::{Error, Result};
+use crate::error::{Error, Problems, Result};
+use crate::messages::Warnings;
 
 pub(super) use columns::{columns, without_any};
 pub(super) use components::{needs_no_tool, unknown_component};
@@ -27,8 +30,8 @@ pub(super) use timing::{Interval, Span, Stepped, check_span, is_base};
 
 /// Findings collected during the check.
 struct Findings {
-    problems: Vec<Error>,
-    warnings: Vec<String>,
+    problems: Problems,
+    warnings: Warnings,
     notes: Vec<String>,
 }
 
@@ -43,13 +46,15 @@ impl Findings {
 pub(super) fn check(
     raw: Arc<RawSystem>,
     overrides: &Overrides,
-    problems: Vec<Error>,
+    problems: Problems,
 ) -> Result<System> {
     let (warnings, notes) = (raw.warnings.clone(), raw.notes.clone());
     let mut findings = Findings { problems, warnings, notes };
     let opened = components::open(&raw, overrides, &mut findings);
-    let connections = connections::check(&raw, &opened, &mut findings);
-    let ports = ports::check(&raw, &opened, &mut findings);
+    raw.fmus.forget_failures();
+    let places = Places::of(&raw);
+    let connections = connections::check(&raw, &places, &opened, &mut findings);
+    let ports = ports::check(&raw, &places, &opened, &mut findings);
     let names = Names::of(&opened);
     let start_values = parameters::check(&raw, overrides, &opened, &names, &mut findings);
     let timing = timing::check(&raw, overrides, &opened, &mut findings);
@@ -60,20 +65,21 @@ pub(super) fn check(
         chosen => chosen,
     };
     let columns = findings.note(columns(&names, wanted));
-    Error::all(findings.problems)?;
+    findings.problems.all()?;
     let (Some(timing), Some(solver), Some(columns)) = (timing, solver, columns) else {
         return Err(Error::new(crate::Code::Ssd, "the system is not valid").at(&raw.file));
     };
     findings.warnings.extend(without_any(&columns, wanted));
     let Timing { span, steps, unknown_steps } = timing;
+    findings.warnings.extend(span.warnings);
     let components: Vec<Component> = opened
         .into_iter()
         .zip(steps)
         .zip(start_values)
-        .filter_map(|((opened, step), start_values)| {
+        .zip(&raw.components)
+        .filter_map(|(((opened, step), start_values), described)| {
             let (name, interface, model) = (opened.name, opened.interface, opened.model?);
-            let described = raw.components.iter().find(|component| component.name == name);
-            let worker = described.and_then(|component| component.worker.clone());
+            let worker = described.worker.clone();
             Some(Component { name, model, interface, step, start_values, worker })
         })
         .collect();
@@ -98,7 +104,7 @@ pub(super) fn check(
         solver,
         tolerance: overrides.tolerance,
         logging: overrides.logging.clone(),
-        warnings: [findings.warnings, span.warnings].concat(),
+        warnings: findings.warnings.into_vec(),
         sampled: Vec::new(),
         notes: [findings.notes, span.notes].concat(),
     };

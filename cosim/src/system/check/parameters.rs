@@ -1,10 +1,13 @@
 //! Start values: from the file, then from the command line.
 
+use std::collections::HashMap;
+
 use super::components::{Opened, same_kind, unknown_component};
 use super::conversion::{self, Measured};
 use super::{Findings, Names};
 use crate::error::{Code, Error, Result};
 use crate::fmi::{Causality, Value, Variability, Variable};
+use crate::messages::Warnings;
 use crate::system::overrides::is_for;
 use crate::system::raw::{RawParameter, RawSystem};
 use crate::system::{Conversion, Overrides, Port};
@@ -17,13 +20,18 @@ pub(super) fn check(
     names: &Names,
     findings: &mut Findings,
 ) -> Vec<Vec<(usize, Value)>> {
-    let mut values: Vec<Vec<(usize, Value)>> = vec![Vec::new(); opened.len()];
+    let mut values = StartValues { of: vec![Vec::new(); opened.len()], places: HashMap::new() };
+    let replaced: Vec<&str> =
+        opened.iter().filter(|o| o.replaced).map(|o| o.name.as_str()).collect();
+    let replaced = |name: &str| {
+        replaced.iter().any(|o| name.strip_prefix(o).is_some_and(|rest| rest.starts_with('.')))
+    };
     for parameter in &raw.parameters {
         let name = &parameter.name;
         match of_file(parameter, opened, names, &mut findings.warnings) {
-            Ok(found) => keep(&mut values, found),
-            Err(problem) if replaced(opened, name) || not_meant(parameter, &problem) => {
-                let why = match replaced(opened, name) {
+            Ok(found) => values.keep(found),
+            Err(problem) if replaced(name) || not_meant(parameter, &problem) => {
+                let why = match replaced(name) {
                     true => "the component's FMU was replaced",
                     false => "a parameter file may contain more than is used",
                 };
@@ -39,7 +47,7 @@ pub(super) fn check(
     }
     for (name, text) in &overrides.start_values {
         let found = findings.note(start_value(names, name, text)).flatten();
-        keep(&mut values, found);
+        values.keep(found);
     }
     for (name, _) in &overrides.steps {
         if !opened.iter().any(|o| is_for(name, &o.name)) {
@@ -47,23 +55,26 @@ pub(super) fn check(
             findings.problems.push(unknown_component(name, known));
         }
     }
-    values
+    values.of
 }
 
-/// A later value of the same variable replaces an earlier one.
-fn keep(values: &mut [Vec<(usize, Value)>], found: Option<(Port, Value)>) {
-    let Some((port, value)) = found else { return };
-    let list = &mut values[port.component];
-    match list.iter_mut().find(|(variable, _)| *variable == port.variable) {
-        Some(earlier) => earlier.1 = value,
-        None => list.push((port.variable, value)),
+/// Start values for each component, and where that of a variable is.
+struct StartValues {
+    of: Vec<Vec<(usize, Value)>>,
+    places: HashMap<Port, usize>,
+}
+
+impl StartValues {
+    /// A later value of the same variable replaces an earlier one.
+    fn keep(&mut self, found: Option<(Port, Value)>) {
+        let Some((port, value)) = found else { return };
+        let list = &mut self.of[port.component];
+        let place = *self.places.entry(port).or_insert(list.len());
+        match list.get_mut(place) {
+            Some(earlier) => earlier.1 = value,
+            None => list.push((port.variable, value)),
+        }
     }
-}
-
-fn replaced(opened: &[Opened], name: &str) -> bool {
-    opened
-        .iter()
-        .any(|o| o.replaced && name.strip_prefix(&o.name).is_some_and(|rest| rest.starts_with('.')))
 }
 
 /// Names in a parameter file that the system does not have.
@@ -75,7 +86,7 @@ fn of_file(
     parameter: &RawParameter,
     opened: &[Opened],
     names: &Names,
-    warnings: &mut Vec<String>,
+    warnings: &mut Warnings,
 ) -> Result<Option<(Port, Value)>> {
     let name = &parameter.name;
     let place = |e: Error| parameter.place.mark(e);
@@ -116,7 +127,7 @@ fn converted(
     parameter: &RawParameter,
     value: Value,
     to: &Measured,
-    warnings: &mut Vec<String>,
+    warnings: &mut Warnings,
 ) -> Result<Value> {
     let kind = &to.variable.kind;
     let map = conversion::map(kind, kind, &parameter.stages)?.map(Conversion::Map);

@@ -6,6 +6,7 @@
 use super::Findings;
 use super::components::{Opened, unknown_component, variable};
 use super::conversion::{self, Measured};
+use super::places::Places;
 use crate::error::{Code, Error, Result};
 use crate::fmi::{Causality, Kind, Variable};
 use crate::system::raw::{RawConnector, RawEnd, RawPort, RawSystem};
@@ -13,6 +14,7 @@ use crate::system::{Conversion, Port, SystemPort};
 
 pub(super) fn check(
     raw: &RawSystem,
+    places: &Places<'_>,
     opened: &[Opened],
     findings: &mut Findings,
 ) -> Vec<SystemPort> {
@@ -23,14 +25,14 @@ pub(super) fn check(
             findings.notes.push(format!("the system's connector '{name}' leads nowhere"));
             continue;
         }
-        let found = of(port, raw, opened).map_err(|error| port.connector.place.mark(error));
+        let found = of(port, places, opened).map_err(|error| port.connector.place.mark(error));
         ports.extend(findings.note(found).flatten());
     }
     ports
 }
 
 /// `None`: it depends on an FMU that could not be opened.
-fn of(port: &RawPort, raw: &RawSystem, opened: &[Opened]) -> Result<Option<SystemPort>> {
+fn of(port: &RawPort, places: &Places<'_>, opened: &[Opened]) -> Result<Option<SystemPort>> {
     let RawPort { connector, ends, inward } = port;
     let causality = match (connector.kind.as_str(), inward) {
         ("parameter" | "structuralParameter", true) => Causality::Parameter,
@@ -40,7 +42,7 @@ fn of(port: &RawPort, raw: &RawSystem, opened: &[Opened]) -> Result<Option<Syste
     };
     let mut found = Vec::new();
     for end in ends {
-        let Some((port, variable, measured)) = inner(end, raw, opened)? else {
+        let Some((port, variable, measured)) = inner(end, places, opened)? else {
             return Ok(None);
         };
         let wanted = connector.kind_of_value.as_deref();
@@ -61,9 +63,9 @@ fn of(port: &RawPort, raw: &RawSystem, opened: &[Opened]) -> Result<Option<Syste
 
 type Found<'a> = (Port, &'a Variable, Measured<'a>);
 
-fn inner<'a>(end: &RawEnd, raw: &'a RawSystem, opened: &'a [Opened]) -> Result<Option<Found<'a>>> {
+fn inner<'a>(end: &RawEnd, places: &Places<'a>, opened: &'a [Opened]) -> Result<Option<Found<'a>>> {
     let (owner, name) = &end.name;
-    let component = opened.iter().position(|o| o.name == *owner).ok_or_else(|| {
+    let component = places.component(owner).ok_or_else(|| {
         let names = opened.iter().map(|o| o.name.as_str());
         unknown_component(owner, names)
     })?;
@@ -74,9 +76,7 @@ fn inner<'a>(end: &RawEnd, raw: &'a RawSystem, opened: &'a [Opened]) -> Result<O
     let Some(description) = model.description() else {
         return Ok(None);
     };
-    let listed =
-        raw.components[component].connectors.as_ref().filter(|_| !opened[component].replaced);
-    let listed = listed.and_then(|list| list.iter().find(|connector| connector.name == *name));
+    let listed = places.connector(component, name).filter(|_| !opened[component].replaced);
     let connector = listed.and_then(|connector| connector.unit.as_ref());
     let measured = Measured { variable, units: &description.units, connector };
     Ok(Some((Port { component, variable: position }, variable, measured)))

@@ -1,10 +1,12 @@
 //! Results of reading besides the system: problems, warnings, and opened files.
 
-use std::path::Path;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::error::{Code, Error, Result};
+use crate::error::{Code, Error, Problems, Result};
 use crate::fmi::archive::Unpacked;
+use crate::messages::Warnings;
 use crate::names;
 use crate::system::opened::OpenedFmus;
 use crate::system::raw::Place;
@@ -13,16 +15,25 @@ use crate::xml::Element;
 /// Findings of all files of one system.
 #[derive(Default)]
 pub(super) struct Gathered {
-    pub warnings: Vec<String>,
+    pub warnings: Warnings,
     pub notes: Vec<String>,
-    pub problems: Vec<Error>,
+    pub problems: Problems,
     pub fmus: OpenedFmus,
-    pub unpacked: Vec<Unpacked>,
+    /// Nested packages by path: each is unpacked once.
+    pub packages: BTreeMap<PathBuf, Unpacked>,
     /// Nesting depth of the file: descriptions may refer to descriptions.
     pub depth: usize,
     /// How many nested descriptions were read.
     pub descriptions: usize,
+    /// Memory used up, of `MAX_COPIED`.
+    copied: usize,
 }
+
+/// Memory in bytes for what a system makes of the files that it names, and for everything that it
+/// uses repeatedly: a short file can use a long one many times.
+const MAX_COPIED: usize = 512 << 20;
+/// What is made of a file takes about this multiple of its text.
+const PER_BYTE: usize = 4;
 
 /// Attributes that every element of SSP may have.
 const COMMON: &[&str] = &["id", "description"];
@@ -31,6 +42,27 @@ impl Gathered {
     /// The value, or `None` after recording the problem.
     pub(super) fn take<T>(&mut self, result: Result<T>) -> Option<T> {
         result.map_err(|problem| self.problems.push(problem)).ok()
+    }
+
+    /// Refuses the system if so many more bytes are too many; `at` is what needs them.
+    pub(super) fn spend(&mut self, bytes: usize, at: &Place) -> Result<()> {
+        self.copied = self.copied.saturating_add(bytes);
+        if self.copied <= MAX_COPIED {
+            return Ok(());
+        }
+        let what = "the system takes too much memory";
+        let why = "the files that it names, and the values, names and conversions that it uses \
+                   repeatedly, take more than 512 MiB";
+        Err(at
+            .mark(Error::new(Code::Ssd, what))
+            .why(why)
+            .help("use large files and long names less often"))
+    }
+
+    /// The same for what is made of a file that is named at `at`.
+    pub(super) fn spend_on(&mut self, file: &Path, at: &Place) -> Result<()> {
+        let length = std::fs::metadata(file).map_or(0, |file| file.len());
+        self.spend(usize::try_from(length).unwrap_or(usize::MAX).saturating_mul(PER_BYTE), at)
     }
 
     /// Reports children that the format does not allow there, and warns about such attributes.

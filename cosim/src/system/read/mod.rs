@@ -12,7 +12,6 @@ use std::path::{Path, PathBuf};
 
 use super::raw::RawSystem;
 use crate::error::{Code, Error, Result};
-use crate::fmi::archive;
 use crate::xml::{self, Element};
 use gathered::Gathered;
 use source::Base;
@@ -73,22 +72,28 @@ fn any(root: &Element, file: &Path, base: Base, gathered: Gathered) -> Result<Ra
 
 fn package(file: &Path) -> Result<RawSystem> {
     let mut gathered = Gathered::default();
-    let (root, shown, base) = unpack(file, &mut gathered)?;
+    let (description, shown, base) = unpack(file, &mut gathered)?;
+    let root = xml::read(&description, &shown)?;
     ssp::read(&root, &shown, base, gathered)
 }
 
 /// The description in an .ssp, its name in messages, and the base of its sources.
-fn unpack(file: &Path, gathered: &mut Gathered) -> Result<(Element, PathBuf, Base)> {
-    let unpacked = archive::unpack(file)?;
-    let description = unpacked.path().join(ssp::SSD_FILE);
+fn unpack(file: &Path, gathered: &mut Gathered) -> Result<(PathBuf, PathBuf, Base)> {
+    let folder = match gathered.packages.get(file) {
+        Some(unpacked) => unpacked.path().to_owned(),
+        None => {
+            let unpacked = gathered.fmus.unpack(file)?;
+            let folder = unpacked.path().to_owned();
+            gathered.packages.insert(file.to_owned(), unpacked);
+            folder
+        }
+    };
+    let description = folder.join(ssp::SSD_FILE);
     let shown = file.join(ssp::SSD_FILE);
     if !description.is_file() {
         return Err(Error::new(Code::Archive, format!("the package has no {}", ssp::SSD_FILE))
             .at(file)
             .help("an .ssp has that file at its top level, not in a folder"));
     }
-    let root = xml::read(&description, &shown)?;
-    let base = Base::of_archive(unpacked.path());
-    gathered.unpacked.push(unpacked);
-    Ok((root, shown, base))
+    Ok((description, shown, Base::of_archive(&folder)))
 }

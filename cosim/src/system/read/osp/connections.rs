@@ -3,8 +3,11 @@
 use super::Reader;
 use crate::error::{Code, Error, Result};
 use crate::names;
-use crate::system::raw::{RawConnection, RawModel, Stage};
+use crate::system::raw::{RawComponent, RawConnection, RawModel, Stage};
 use crate::xml::Element;
+
+/// Memory for a connection without its names, in bytes.
+const PER_CONNECTION: usize = size_of::<RawConnection>() + size_of::<Stage>();
 
 /// Component and variable.
 type Name = (String, String);
@@ -60,15 +63,16 @@ impl Reader {
                 of_b.len()
             )));
         }
-        for (from, to) in of_a.into_iter().zip(of_b) {
-            self.connect((a.0.clone(), from), (b.0.clone(), to), element);
+        for (from, to) in of_a.variables().iter().zip(of_b.variables()) {
+            self.spend(PER_CONNECTION + a.0.len() + from.len() + b.0.len() + to.len(), element)?;
+            self.connect((a.0.clone(), from.clone()), (b.0.clone(), to.clone()), element);
         }
         Ok(())
     }
 
     fn of_signal(&mut self, element: &Element) -> Result<()> {
         let (function, signal, variable) = self.mixed(element, "Signal", "Variable")?;
-        if let Some(linear) = self.linear.iter().position(|l| l.name == function) {
+        if let Some(linear) = self.linear_by_name.get(&function).copied() {
             let place = self.place(element);
             match signal.as_str() {
                 "in" if self.linear[linear].source.is_some() => {
@@ -76,7 +80,7 @@ impl Reader {
                     return Err(place.mark(Error::new(Code::Connection, what)));
                 }
                 "in" => self.linear[linear].source = Some(variable),
-                "out" => self.through(linear, variable, place),
+                "out" => self.through(linear, variable, place)?,
                 other => {
                     let what = format!("the function '{function}' has no signal '{other}'");
                     return Err(place
@@ -94,35 +98,36 @@ impl Reader {
     fn of_signal_group(&mut self, element: &Element) -> Result<()> {
         let (function, signals, group) = self.mixed(element, "SignalGroup", "VariableGroup")?;
         let dimension = self.function(&function, element)?.unwrap_or(1);
-        let Some(variables) = self.group(&group, element)? else {
+        let Some(found) = self.group(&group, element)? else {
             return Ok(());
         };
+        let variables = found.variables();
         if variables.len() != dimension {
             return Err(self
                 .wrong(element, format!("'{}' has {} variables", group.1, variables.len()))
                 .why(format!("the vectors of '{function}' have {dimension}")));
         }
-        for (index, variable) in variables.into_iter().enumerate() {
+        for (index, variable) in variables.iter().enumerate() {
+            let names = function.len() + signals.len() + group.0.len() + variable.len();
+            self.spend(PER_CONNECTION + names, element)?;
             let signal = format!("{signals}[{index}]");
-            self.connect((function.clone(), signal), (group.0.clone(), variable), element);
+            let end = (group.0.clone(), variable.clone());
+            self.connect((function.clone(), signal), end, element);
         }
         Ok(())
     }
 
     /// The dimension of a sum.
     fn function(&self, name: &str, element: &Element) -> Result<Option<usize>> {
-        let functions = self.components.iter().filter_map(|c| match &c.model {
-            RawModel::Function(function) => Some((c.name.as_str(), function)),
-            _ => None,
-        });
-        let linear = self.linear.iter().map(|l| l.name.as_str());
-        let all = functions.clone().map(|(name, _)| name).chain(linear);
-        match functions.clone().find(|(n, _)| *n == name) {
-            Some((_, function)) => Ok(function.dimension()),
-            None => Err(Error::new(Code::UnknownName, format!("there is no function '{name}'"))
-                .at_line(&self.file, element.line)
-                .maybe_help(names::did_you_mean(name, all))),
+        if let Some(RawModel::Function(function)) = self.component(name).map(|c| &c.model) {
+            return Ok(function.dimension());
         }
+        let is_function = |c: &&RawComponent| matches!(c.model, RawModel::Function(_));
+        let functions = self.components.iter().filter(is_function).map(|c| c.name.as_str());
+        let all = functions.chain(self.linear.iter().map(|l| l.name.as_str()));
+        Err(Error::new(Code::UnknownName, format!("there is no function '{name}'"))
+            .at_line(&self.file, element.line)
+            .maybe_help(names::did_you_mean(name, all)))
     }
 
     /// The check determines which of the two is the output.

@@ -1,5 +1,6 @@
 //! `<Functions>`: linear transformations and sums.
 
+use std::collections::HashSet;
 use std::sync::Arc;
 
 use super::Reader;
@@ -7,6 +8,9 @@ use crate::error::{Code, Error, Result};
 use crate::system::function::{Function, MAX_PORTS};
 use crate::system::raw::{Place, RawComponent, RawConnection, RawModel, Stage, Transformation};
 use crate::xml::Element;
+
+/// Memory for a port of a sum, in bytes.
+const PER_PORT: usize = 512;
 
 /// A linear transformation: y = offset + factor x.
 pub(super) struct Linear {
@@ -47,12 +51,12 @@ impl Reader {
         }
         let name = element.require("name", &self.file, Code::Ssd)?.to_owned();
         let place = self.place(element);
-        let known = self.linear.iter().find(|l| l.name == name);
-        if let Some(first) = known {
+        if let Some(first) = self.linear_by_name.get(&name).map(|&at| &self.linear[at]) {
             return Err(self
                 .wrong(element, format!("two functions are named '{name}'"))
                 .why(format!("the first on line {}", first.place.line)));
         }
+        self.linear_by_name.insert(name.clone(), self.linear.len());
         self.linear.push(Linear { name, factor, offset, place, source: None, sinks: Vec::new() });
         Ok(())
     }
@@ -70,12 +74,15 @@ impl Reader {
             }
             _ => None,
         };
+        let ports = inputs.saturating_add(1).saturating_mul(dimension.unwrap_or(1));
+        let ports = ports.min(2 * MAX_PORTS);
+        self.spend(ports.saturating_mul(PER_PORT), element)?;
         let function = Function::sum(name, inputs, dimension).ok_or_else(|| {
             self.wrong(element, format!("'{name}' has {inputs} inputs"))
                 .why(format!("inputCount times dimension must be 1 to {MAX_PORTS}"))
         })?;
         let place = self.place(element);
-        self.components.push(RawComponent {
+        self.add(RawComponent {
             name: name.to_owned(),
             model: RawModel::Function(Arc::new(function)),
             interface: None,
@@ -88,8 +95,14 @@ impl Reader {
     }
 
     /// A connection from `out` represents the whole path, in its place among the others.
-    pub(super) fn through(&mut self, linear: usize, to: (String, String), place: Place) {
+    pub(super) fn through(
+        &mut self,
+        linear: usize,
+        to: (String, String),
+        place: Place,
+    ) -> Result<()> {
         let linear = &mut self.linear[linear];
+        self.gathered.spend(linear.name.len(), &place)?;
         linear.sinks.push(self.connections.len());
         let (factor, offset) = (linear.factor, linear.offset);
         let stage = Stage {
@@ -100,11 +113,12 @@ impl Reader {
         };
         let from = (linear.name.clone(), "out".to_owned());
         self.connections.push(RawConnection { from, to, stages: vec![stage], place });
+        Ok(())
     }
 
     /// Sets the sources of the connections through linear transformations.
     pub(super) fn join_linear(&mut self) {
-        let mut without_source = Vec::new();
+        let mut without_source = HashSet::new();
         for linear in std::mem::take(&mut self.linear) {
             if linear.sinks.is_empty() {
                 self.gathered.warnings.push(format!(
@@ -113,6 +127,11 @@ impl Reader {
                 ));
             }
             if let Some(source) = linear.source {
+                let size = (source.0.len() + source.1.len()) * linear.sinks.len();
+                let affordable = self.gathered.spend(size, &linear.place);
+                if self.gathered.take(affordable).is_none() {
+                    return;
+                }
                 for sink in linear.sinks {
                     self.connections[sink].from = source.clone();
                 }

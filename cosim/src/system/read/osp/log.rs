@@ -41,8 +41,12 @@ impl Reader {
             let Some(name) = self.gathered.take(name) else { continue };
             let factor = simulator.parse::<u32>("decimationFactor", &self.file, Code::Ssd);
             let factor = self.gathered.take(factor).flatten().unwrap_or(1).max(1);
-            let own = self.components.iter().find(|c| c.name == name).and_then(|c| c.step);
+            let own = self.component(name).and_then(|c| c.step);
             intervals.extend(own.or(master.step).map(|step| step * f64::from(factor)));
+            let affordable = self.spend(simulator.children.len() * name.len(), simulator);
+            if self.gathered.take(affordable).is_none() {
+                break;
+            }
             let variables = simulator.children.iter().filter(|c| c.name == "variable");
             let before = patterns.len();
             for variable in variables {

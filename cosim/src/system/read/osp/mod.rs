@@ -11,6 +11,7 @@ mod groups;
 mod log;
 mod simulators;
 
+use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -41,10 +42,12 @@ pub(super) fn read(
         base,
         gathered,
         components: Vec::new(),
+        by_name: HashMap::new(),
         connections: Vec::new(),
         parameters: Vec::new(),
         groups: Groups::default(),
         linear: Vec::new(),
+        linear_by_name: HashMap::new(),
     };
     reader.check_root(root)?;
     // 0 means none, here as in a simulator.
@@ -74,7 +77,7 @@ pub(super) fn read(
         warnings: reader.gathered.warnings,
         notes: reader.gathered.notes,
         problems: reader.gathered.problems,
-        _unpacked: reader.gathered.unpacked,
+        _unpacked: reader.gathered.packages.into_values().collect(),
         fmus: reader.gathered.fmus,
     })
 }
@@ -84,12 +87,15 @@ struct Reader {
     base: Base,
     gathered: Gathered,
     components: Vec<RawComponent>,
+    /// Their positions; of two with one name, the first.
+    by_name: HashMap<String, usize>,
     connections: Vec<RawConnection>,
     parameters: Vec<RawParameter>,
     /// Variable groups of the simulators.
     groups: Groups,
     /// Linear transformations, until their connections are known.
     linear: Vec<Linear>,
+    linear_by_name: HashMap<String, usize>,
 }
 
 impl Reader {
@@ -156,6 +162,28 @@ impl Reader {
                 None
             }
         }
+    }
+
+    fn add(&mut self, component: RawComponent) {
+        self.by_name.entry(component.name.clone()).or_insert(self.components.len());
+        self.components.push(component);
+    }
+
+    /// A component by name.
+    fn component(&self, name: &str) -> Option<&RawComponent> {
+        self.by_name.get(name).map(|&position| &self.components[position])
+    }
+
+    /// Refuses the system if so many more bytes are too many.
+    fn spend(&mut self, bytes: usize, element: &Element) -> Result<()> {
+        let place = self.place(element);
+        self.gathered.spend(bytes, &place)
+    }
+
+    /// The same for what is made of a file that is named there, or belongs to it.
+    fn spend_on(&mut self, file: &Path, element: &Element) -> Result<()> {
+        let place = self.place(element);
+        self.gathered.spend_on(file, &place)
     }
 
     fn known(&mut self, element: &Element, children: &[&str], attributes: &[&str]) {

@@ -32,15 +32,17 @@ impl Reader {
         let step = self.gathered.take(step).flatten().filter(|step| *step != 0.0);
         self.report_rounding(element, &name, step, base_step);
         if let (Some(path), true) = (&path, self.base.folder.is_some()) {
-            self.read_groups(&name, path);
+            self.read_groups(&name, path, element);
         }
-        for value in element.grandchildren("InitialValues") {
+        let values = element.grandchildren("InitialValues");
+        let affordable = self.spend(values.len() * name.len(), element);
+        for value in self.gathered.take(affordable).map_or(&[][..], |()| values) {
             let value = self.initial_value(&name, value);
             let value = self.gathered.take(value);
             self.parameters.extend(value);
         }
         let place = self.place(element);
-        self.components.push(RawComponent {
+        self.add(RawComponent {
             name,
             model: path.map_or(RawModel::Unknown, RawModel::Fmu),
             interface: None,

@@ -4,14 +4,15 @@
 //! it get the value. A reference makes a dictionary of its own system, or of an enclosing one, an
 //! element.
 
-use std::path::Path;
+use std::path::PathBuf;
+use std::sync::Arc;
 
 use super::{Reader, TOP, join};
 use crate::error::{Code, Error, Result};
 use crate::names;
 use crate::system::raw::RawConnector;
 use crate::units;
-use crate::xml::{self, Element};
+use crate::xml::Element;
 
 const TYPE: &str = "application/x-ssp-signal-dictionary";
 
@@ -34,27 +35,46 @@ impl Reader<'_> {
         let key = format!("dictionary {}", join(path, name));
         self.nested.dictionaries.insert((path.to_owned(), name.to_owned()), key.clone());
         match (element.get("source"), element.child("SignalDictionary")) {
-            (None, Some(inline)) => self.signals(inline, &key),
+            (None, Some(inline)) => {
+                let signals = self.signals(inline)?;
+                self.add_signals(signals, &key, element)
+            }
             (Some(source), None) => {
-                let place = self.place(element);
-                let file = self.base.open(source, &place)?;
-                let root =
-                    xml::read(&file, &file).map_err(|e| e.help(format!("named in {place}")))?;
-                let units = units::read(root.grandchildren("Units"), &file, Code::Ssd)?;
-                let mut other = Reader {
-                    file: file.as_path().into(),
-                    base: self.base.of_neighbour(Path::new(&file)),
-                    units,
-                    gathered: self.gathered,
-                    nested: self.nested,
+                let file = self.base.open(source, &self.place(element))?;
+                let signals = match self.nested.dictionary_files.get(&file) {
+                    Some(read) => read.clone(),
+                    None => self.signals_in_file(element, file)?,
                 };
-                other.signals(&root, &key)
+                self.spend(signals.iter().map(RawConnector::size).sum(), element)?;
+                self.add_signals(signals.iter().cloned(), &key, element)
             }
             _ => Err(self.wrong(element, "a dictionary is either inline or in a file")),
         }
     }
 
-    fn signals(&mut self, dictionary: &Element, key: &str) -> Result<()> {
+    fn add_signals(
+        &mut self,
+        signals: impl IntoIterator<Item = RawConnector>,
+        key: &str,
+        element: &Element,
+    ) -> Result<()> {
+        for signal in signals {
+            self.spend(key.len() + signal.name.len(), element)?;
+            self.nested.ports.insert((key.to_owned(), signal.name.clone()), signal);
+        }
+        Ok(())
+    }
+
+    fn signals_in_file(&mut self, element: &Element, file: PathBuf) -> Result<Arc<[RawConnector]>> {
+        let base = self.base.of_neighbour(&file);
+        let (root, mut other) = self.follow(element, base, &file)?;
+        other.units = units::read(root.grandchildren("Units"), &file, Code::Ssd)?;
+        let signals: Arc<[RawConnector]> = other.signals(&root)?.into();
+        self.nested.dictionary_files.insert(file, signals.clone());
+        Ok(signals)
+    }
+
+    fn signals(&mut self, dictionary: &Element) -> Result<Vec<RawConnector>> {
         if dictionary.name != "SignalDictionary" {
             let what = format!("<{}> where <SignalDictionary> belongs", dictionary.name);
             return Err(self.wrong(dictionary, what));
@@ -63,19 +83,19 @@ impl Reader<'_> {
         let children =
             ["DictionaryEntry", "Enumerations", "Units", "Annotations", "MetaData", "Signature"];
         self.known(dictionary, &children, TOP);
+        let mut signals = Vec::new();
         for entry in dictionary.children.iter().filter(|c| c.name == "DictionaryEntry") {
             let name = entry.require("name", &self.file, Code::Ssd)?;
             let typed = entry.children.iter().find(|c| c.name != "Annotations");
-            let signal = RawConnector {
+            signals.push(RawConnector {
                 name: name.to_owned(),
                 kind: "signal".to_owned(),
                 kind_of_value: typed.map(|typed| typed.name.to_string()),
                 unit: typed.and_then(|typed| self.unit(typed)),
                 place: self.place(entry),
-            };
-            self.nested.ports.insert((key.to_owned(), name.to_owned()), signal);
+            });
         }
-        Ok(())
+        Ok(signals)
     }
 
     /// An element that represents a dictionary of its system or of an enclosing one.

@@ -61,6 +61,13 @@ impl Reader<'_> {
             ],
             &["name"],
         );
+        // Each name inside begins with the path, and a connection keeps three of them.
+        let inside = ["Connectors", "Elements", "Connections"];
+        let count: usize = inside.map(|list| element.grandchildren(list).len()).iter().sum();
+        let affordable = self.spend(3 * count * path.len(), element);
+        if self.gathered.take(affordable).is_none() {
+            return;
+        }
         self.nested.systems.insert(path.to_owned());
         for connector in self.list(element, "Connectors", "Connector") {
             if let Some(found) = self.connector(connector) {
@@ -177,11 +184,14 @@ impl Reader<'_> {
                     "the limits are {MAX_DEPTH} levels and {MAX_DESCRIPTIONS} descriptions"
                 )));
         }
-        let (root, shown, base) = if element.get("type") == Some(PACKAGE) {
+        let (file, shown, base) = if element.get("type") == Some(PACKAGE) {
             unpack(file, self.gathered)?
         } else {
-            (xml::read(file, file)?, file.to_owned(), self.base.of_neighbour(file))
+            (file.to_owned(), file.to_owned(), self.base.of_neighbour(file))
         };
+        let place = self.place(element);
+        self.gathered.spend_on(&file, &place)?;
+        let root = xml::read(&file, &shown)?;
         self.gathered.depth += 1;
         let mut inner = Reader {
             file: shown.into(),

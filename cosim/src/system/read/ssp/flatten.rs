@@ -4,9 +4,11 @@
 //! a destination. Every connection to a component is traced back through such connectors to the
 //! component that drives it, and the conversions of the connections on the way are kept in order.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+use std::path::PathBuf;
+use std::sync::Arc;
 
-use crate::error::{Code, Error};
+use crate::error::{Code, Error, Result};
 use crate::names;
 use crate::system::raw::{
     Place, RawComponent, RawConnection, RawConnector, RawEnd, RawParameter, RawPort, Stage,
@@ -14,6 +16,7 @@ use crate::system::raw::{
 
 use super::super::gathered::Gathered;
 use super::join;
+use super::mapping::Entry;
 
 /// The contents of a description, with full names of elements.
 #[derive(Default)]
@@ -31,6 +34,10 @@ pub(super) struct Nested {
     pub references: BTreeMap<String, String>,
     /// The systems enclosing the element that is being read, outermost first.
     pub around: Vec<String>,
+    /// The contents of files that were read, by path: a file may be used many times.
+    pub parameter_files: HashMap<PathBuf, Arc<[RawParameter]>>,
+    pub mapping_files: HashMap<PathBuf, Arc<[Entry]>>,
+    pub dictionary_files: HashMap<PathBuf, Arc<[RawConnector]>>,
 }
 
 type Port = (String, String);
@@ -67,7 +74,7 @@ enum Role {
     Unknown,
 }
 
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone)]
 enum Node {
     Port(Port),
     Component(Port),
@@ -81,34 +88,46 @@ struct Directed {
     place: Place,
 }
 
-pub(super) fn flatten(nested: Nested, gathered: &mut Gathered) -> Flat {
-    let mut directed = Vec::new();
-    {
-        let roles = Roles::new(&nested);
-        for wire in &nested.wires {
-            directed.extend(gathered.take(roles.direct(wire)));
-        }
-    }
-    let drivers = drivers(&directed, gathered);
-    let mut connections = Vec::new();
-    for wire in &directed {
-        let Node::Component(to) = &wire.to else { continue };
-        connections.extend(gathered.take(trace(wire, to, &directed, &drivers)).flatten());
-    }
-    let parameters = parameters(&nested, &directed, gathered);
-    let ports = outermost(&nested, &directed, &drivers, gathered);
+pub(super) fn flatten(mut nested: Nested, gathered: &mut Gathered) -> Flat {
+    let directed = directed(&nested, gathered);
+    let directed = with_one_driver(gathered.take(directed).unwrap_or_default(), gathered);
+    let ways = Ways::new(&directed);
+    let given = std::mem::take(&mut nested.parameters);
+    let all = connections(&directed, &ways, gathered).and_then(|connections| {
+        let parameters = parameters(&nested, given, &ways, gathered)?;
+        Ok((connections, parameters, outermost(&nested, &ways, gathered)?))
+    });
+    let (connections, parameters, ports) = gathered.take(all).unwrap_or_default();
     Flat { components: nested.components, connections, ports, parameters }
+}
+
+fn directed(nested: &Nested, gathered: &mut Gathered) -> Result<Vec<Directed>> {
+    let roles = Roles::new(nested);
+    let mut directed = Vec::new();
+    for wire in &nested.wires {
+        let Some(found) = gathered.take(roles.direct(wire)) else { continue };
+        // It repeats the names of dictionaries and the units of connectors.
+        let size = found.stage.size() + found.from.length() + found.to.length();
+        gathered.spend(size, &wire.place)?;
+        directed.push(found);
+    }
+    Ok(directed)
 }
 
 struct Roles<'a> {
     nested: &'a Nested,
-    components: BTreeMap<&'a str, &'a RawComponent>,
+    /// The kinds of listed connectors, by component and name.
+    kinds: HashMap<&'a str, HashMap<&'a str, &'a str>>,
 }
 
 impl<'a> Roles<'a> {
     fn new(nested: &'a Nested) -> Self {
-        let components = nested.components.iter().map(|c| (c.name.as_str(), c)).collect();
-        Self { nested, components }
+        let kinds = nested.components.iter().map(|component| {
+            // Of two with one name, the first is meant.
+            let listed = component.connectors.iter().flatten().rev();
+            (component.name.as_str(), listed.map(|c| (c.name.as_str(), c.kind.as_str())).collect())
+        });
+        Self { nested, kinds: kinds.collect() }
     }
 
     fn direct(&self, wire: &Wire) -> Result<Directed, Error> {
@@ -146,7 +165,9 @@ impl<'a> Roles<'a> {
         };
         let port = (system.clone(), end.connector.clone());
         let Some(connector) = self.nested.ports.get(&port) else {
-            let own = self.nested.ports.keys().filter(|p| p.0 == *system).map(|p| p.1.as_str());
+            let own = self.nested.ports.range((system.clone(), String::new())..);
+            let own =
+                own.map(|(port, _)| port).take_while(|p| p.0 == *system).map(|p| p.1.as_str());
             let shown = if system.is_empty() { "the system" } else { system.as_str() };
             return Err(wire.place.mark(
                 Error::new(
@@ -170,96 +191,205 @@ impl<'a> Roles<'a> {
 
     /// A missing component is found by the check, like all other names.
     fn component(&self, component: &str, connector: &str) -> (Node, Role) {
-        let connectors = self.components.get(component).and_then(|c| c.connectors.as_ref());
-        let listed = connectors.and_then(|list| list.iter().find(|c| c.name == connector));
-        let role = match listed.map(|c| c.kind.as_str()) {
-            Some("input" | "parameter" | "structuralParameter") => Role::Sink,
-            Some("output" | "calculatedParameter" | "local" | "constant") => Role::Source,
+        let listed = self.kinds.get(component).and_then(|kinds| kinds.get(connector));
+        let role = match listed {
+            Some(&("input" | "parameter" | "structuralParameter")) => Role::Sink,
+            Some(&("output" | "calculatedParameter" | "local" | "constant")) => Role::Source,
             _ => Role::Unknown,
         };
         (Node::Component((component.to_owned(), connector.to_owned())), role)
     }
 }
 
-/// The connection that drives each connector of a system.
-fn drivers<'d>(
-    directed: &'d [Directed],
-    gathered: &mut Gathered,
-) -> BTreeMap<&'d Port, &'d Directed> {
-    let mut drivers: BTreeMap<&Port, &Directed> = BTreeMap::new();
+/// Without connections to a connector of a system that has a driver already.
+fn with_one_driver(directed: Vec<Directed>, gathered: &mut Gathered) -> Vec<Directed> {
+    let mut first: HashMap<Port, usize> = HashMap::new();
+    let mut kept = Vec::with_capacity(directed.len());
     for wire in directed {
-        let Node::Port(port) = &wire.to else { continue };
-        if let Some(first) = drivers.get(port) {
+        let Node::Port(port) = &wire.to else {
+            kept.push(wire);
+            continue;
+        };
+        if let Some(line) = first.get(port) {
             gathered.problems.push(
                 wire.place
                     .mark(Error::new(
                         Code::Connection,
                         format!("the connector '{}' has two drivers", join(&port.0, &port.1)),
                     ))
-                    .why(format!("the connection on line {} already drives it", first.place.line))
+                    .why(format!("the connection on line {line} already drives it"))
                     .help("remove one of the two"),
             );
             continue;
         }
-        drivers.insert(port, wire);
+        first.insert(port.clone(), wire.place.line);
+        kept.push(wire);
     }
-    drivers
+    kept
 }
 
-/// Traces a connection to a component back to its source; `None`: nothing drives it.
-fn trace(
-    last: &Directed,
-    to: &Port,
-    directed: &[Directed],
-    drivers: &BTreeMap<&Port, &Directed>,
-) -> Result<Option<RawConnection>, Error> {
-    let mut stages = vec![last.stage.clone()];
-    let mut from = &last.from;
-    loop {
-        match from {
-            Node::Component(component) => {
-                stages.reverse();
-                return Ok(Some(RawConnection {
-                    from: component.clone(),
-                    to: to.clone(),
-                    stages,
-                    place: last.place.clone(),
-                }));
+/// The connections by their ends. Each connector has one driver, so what follows a connector is a
+/// tree, unless it is part of a cycle.
+struct Ways<'d> {
+    drivers: HashMap<&'d Port, &'d Directed>,
+    leaving: HashMap<&'d Port, Vec<&'d Directed>>,
+    /// Connectors in cycles, and those that get their values from them.
+    circular: HashSet<&'d Port>,
+}
+
+impl<'d> Ways<'d> {
+    fn new(directed: &'d [Directed]) -> Self {
+        let mut drivers = HashMap::new();
+        let mut leaving: HashMap<_, Vec<_>> = HashMap::new();
+        for wire in directed {
+            if let Node::Port(port) = &wire.to {
+                drivers.insert(port, wire);
             }
-            Node::Port(port) => {
-                let Some(wire) = drivers.get(port) else {
-                    return Ok(None);
-                };
-                stages.push(wire.stage.clone());
-                from = &wire.from;
+            if let Node::Port(port) = &wire.from {
+                leaving.entry(port).or_default().push(wire);
             }
         }
-        if stages.len() > directed.len() {
-            let what = format!("the connections to '{}' form a cycle", join(&to.0, &to.1));
-            return Err(last.place.mark(Error::new(Code::Connection, what)));
+        let circular = circular(&drivers);
+        Self { drivers, leaving, circular }
+    }
+
+    /// Traces a connection to a component back to its source; `None`: nothing drives it.
+    fn trace(
+        &self,
+        last: &Directed,
+        to: &Port,
+        gathered: &mut Gathered,
+    ) -> Result<Option<RawConnection>> {
+        let mut stages = vec![last.stage.clone()];
+        let mut from = &last.from;
+        loop {
+            match from {
+                Node::Component(component) => {
+                    stages.reverse();
+                    return Ok(Some(RawConnection {
+                        from: component.clone(),
+                        to: to.clone(),
+                        stages,
+                        place: last.place.clone(),
+                    }));
+                }
+                Node::Port(port) if self.circular.contains(port) => {
+                    let name = join(&to.0, &to.1);
+                    let what = format!("the connections to '{name}' form a cycle");
+                    gathered.problems.push(last.place.mark(Error::new(Code::Connection, what)));
+                    return Ok(None);
+                }
+                Node::Port(port) => {
+                    let Some(wire) = self.drivers.get(port) else {
+                        return Ok(None);
+                    };
+                    // The source's name is copied, too.
+                    gathered.spend(wire.stage.size() + wire.from.length(), &last.place)?;
+                    stages.push(wire.stage.clone());
+                    from = &wire.from;
+                }
+            }
         }
     }
+
+    /// Calls `reached` for each component behind a connector, with the conversions on the way.
+    fn follow(
+        &self,
+        port: &Port,
+        place: &Place,
+        gathered: &mut Gathered,
+        reached: &mut impl FnMut(&Port, &[&Stage], &mut Gathered) -> Result<()>,
+    ) -> Result<()> {
+        // A cycle is reported where it is traced.
+        if self.circular.contains(port) {
+            return Ok(());
+        }
+        let leaving = |port| self.leaving.get(port).into_iter().flatten();
+        let (mut way, mut open) = (Vec::new(), vec![leaving(port)]);
+        while let Some(next) = open.last_mut() {
+            let Some(wire) = next.next() else {
+                open.pop();
+                way.pop();
+                continue;
+            };
+            gathered.spend(size_of::<Stage>(), place)?;
+            way.push(&wire.stage);
+            match &wire.to {
+                Node::Port(next) => open.push(leaving(next)),
+                Node::Component(target) => {
+                    let stages: usize = way.iter().map(|stage| stage.size()).sum();
+                    gathered.spend(stages + wire.to.length(), place)?;
+                    reached(target, &way, gathered)?;
+                    way.pop();
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Connectors whose drivers never end.
+fn circular<'d>(drivers: &HashMap<&'d Port, &'d Directed>) -> HashSet<&'d Port> {
+    // Whether the way from a connector back to its source ends; unknown while it is being walked.
+    let mut ends: HashMap<&Port, Option<bool>> = HashMap::new();
+    for &start in drivers.keys() {
+        let mut walked = Vec::new();
+        let mut port = start;
+        let end = loop {
+            match ends.get(port) {
+                Some(known) => break known.unwrap_or(false),
+                None => ends.insert(port, None),
+            };
+            walked.push(port);
+            match drivers.get(port).copied().map(|wire| &wire.from) {
+                Some(Node::Port(from)) => port = from,
+                _ => break true,
+            }
+        };
+        ends.extend(walked.into_iter().map(|port| (port, Some(end))));
+    }
+    ends.into_iter().filter(|(_, end)| *end == Some(false)).map(|(port, _)| port).collect()
+}
+
+/// The connections between components.
+fn connections(
+    directed: &[Directed],
+    ways: &Ways<'_>,
+    gathered: &mut Gathered,
+) -> Result<Vec<RawConnection>> {
+    let mut found = Vec::new();
+    for wire in directed {
+        let Node::Component(to) = &wire.to else { continue };
+        found.extend(ways.trace(wire, to, gathered)?);
+    }
+    Ok(found)
 }
 
 /// Values set for connectors of systems reach the components behind them.
 fn parameters(
     nested: &Nested,
-    directed: &[Directed],
+    given: Vec<RawParameter>,
+    ways: &Ways<'_>,
     gathered: &mut Gathered,
-) -> Vec<RawParameter> {
-    let ports: BTreeMap<String, &Port> =
+) -> Result<Vec<RawParameter>> {
+    let ports: HashMap<String, &Port> =
         nested.ports.keys().map(|port| (join(&port.0, &port.1), port)).collect();
     let mut found = Vec::new();
-    for parameter in &nested.parameters {
+    for parameter in given {
         let Some(port) = ports.get(&parameter.name) else {
-            found.push(copy(parameter, parameter.name.clone(), &[]));
+            found.push(parameter);
             continue;
         };
         let before = found.len();
-        let mut way = Vec::new();
-        follow(port, directed, &mut way, &mut |target, stages| {
-            found.push(copy(parameter, join(&target.0, &target.1), stages));
-        });
+        let size = parameter.size();
+        ways.follow(port, &parameter.place, gathered, &mut |target, stages, gathered| {
+            gathered.spend(size, &parameter.place)?;
+            let mut reached = parameter.clone();
+            reached.name = join(&target.0, &target.1);
+            reached.stages.extend(stages.iter().copied().cloned());
+            found.push(reached);
+            Ok(())
+        })?;
         if found.len() == before {
             gathered.warnings.push(format!(
                 "{}: the value of '{}' does not reach any component",
@@ -267,62 +397,34 @@ fn parameters(
             ));
         }
     }
-    found
+    Ok(found)
 }
 
 /// The connectors of the outermost system with what they lead to.
-fn outermost(
-    nested: &Nested,
-    directed: &[Directed],
-    drivers: &BTreeMap<&Port, &Directed>,
-    gathered: &mut Gathered,
-) -> Vec<RawPort> {
+fn outermost(nested: &Nested, ways: &Ways<'_>, gathered: &mut Gathered) -> Result<Vec<RawPort>> {
     let mut found = Vec::new();
     for (port, connector) in nested.ports.iter().filter(|((system, _), _)| system.is_empty()) {
         let mut ends = Vec::new();
-        follow(port, directed, &mut Vec::new(), &mut |target, stages| {
-            ends.push(RawEnd { name: target.clone(), stages: stages.to_vec() });
-        });
+        ways.follow(port, &connector.place, gathered, &mut |target, stages, _| {
+            let stages = stages.iter().copied().cloned().collect();
+            ends.push(RawEnd { name: target.clone(), stages });
+            Ok(())
+        })?;
         let inward = !ends.is_empty();
-        if let (false, Some(last)) = (inward, drivers.get(port)) {
-            let source = gathered.take(trace(last, port, directed, drivers)).flatten();
+        if let (false, Some(last)) = (inward, ways.drivers.get(port)) {
+            let source = ways.trace(last, port, gathered)?;
             ends.extend(source.map(|s| RawEnd { name: s.from, stages: s.stages }));
         }
         found.push(RawPort { connector: connector.clone(), ends, inward });
     }
-    found
+    Ok(found)
 }
 
-fn copy(parameter: &RawParameter, name: String, stages: &[Stage]) -> RawParameter {
-    RawParameter {
-        name,
-        kind: parameter.kind.clone(),
-        value: parameter.value.clone(),
-        unit: parameter.unit.clone(),
-        stages: [&parameter.stages[..], stages].concat(),
-        required: parameter.required,
-        place: parameter.place.clone(),
-    }
-}
-
-fn follow(
-    port: &Port,
-    directed: &[Directed],
-    way: &mut Vec<Stage>,
-    reached: &mut impl FnMut(&Port, &[Stage]),
-) {
-    // A cycle is longer than all connections together; it is reported where it is traced.
-    if way.len() > directed.len() {
-        return;
-    }
-    let leaving = directed.iter().filter(|w| matches!(&w.from, Node::Port(p) if p == port));
-    for wire in leaving {
-        way.push(wire.stage.clone());
-        match &wire.to {
-            Node::Component(target) => reached(target, way),
-            Node::Port(next) => follow(next, directed, way, reached),
-        }
-        way.pop();
+impl Node {
+    /// Of its name, in bytes.
+    fn length(&self) -> usize {
+        let (Node::Port((owner, name)) | Node::Component((owner, name))) = self;
+        owner.len() + name.len()
     }
 }
 

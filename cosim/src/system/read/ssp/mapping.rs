@@ -1,5 +1,8 @@
 //! `<ssm:ParameterMapping>`: other names for parameters, inline or in an .ssm file.
 
+use std::collections::HashMap;
+use std::sync::Arc;
+
 use super::Reader;
 use super::connection::TRANSFORMATIONS;
 use crate::error::{Code, Result};
@@ -14,13 +17,20 @@ pub(super) struct Entry {
     pub place: Place,
 }
 
+impl Entry {
+    /// Its memory in bytes.
+    pub(super) fn size(&self) -> usize {
+        size_of::<Self>() + self.source.len() + self.target.len() + self.stage.size()
+    }
+}
+
 impl Reader<'_> {
     /// The entries of a binding's mapping; `None` if it has none: names stay unchanged.
     pub(super) fn mapping(
         &mut self,
         binding: &Element,
         component: Option<&std::path::Path>,
-    ) -> Result<Option<Vec<Entry>>> {
+    ) -> Result<Option<Arc<[Entry]>>> {
         let Some(element) = binding.child("ParameterMapping") else {
             return Ok(None);
         };
@@ -30,10 +40,16 @@ impl Reader<'_> {
             return Err(self.wrong(element, format!("the type of the mapping is \"{kind}\"")));
         }
         match (element.get("source"), element.child("ParameterMapping")) {
-            (None, Some(inline)) => self.entries(inline).map(Some),
+            (None, Some(inline)) => Ok(Some(self.entries(inline)?.into())),
             (Some(source), None) => {
-                let (root, mut other) = self.follow(element, source, component)?;
-                other.entries(&root).map(Some)
+                let (base, file) = self.file(element, source, component)?;
+                if let Some(read) = self.nested.mapping_files.get(&file) {
+                    return Ok(Some(read.clone()));
+                }
+                let (root, mut other) = self.follow(element, base, &file)?;
+                let entries: Arc<[Entry]> = other.entries(&root)?.into();
+                self.nested.mapping_files.insert(file, entries.clone());
+                Ok(Some(entries))
             }
             _ => Err(self
                 .wrong(element, "a mapping is either inline or in a file")
@@ -51,6 +67,7 @@ impl Reader<'_> {
         let children = ["MappingEntry", "Annotations", "MetaData", "Signature"];
         self.known(mapping, &children, super::TOP);
         let mut entries: Vec<Entry> = Vec::new();
+        let mut lines: HashMap<&str, usize> = HashMap::new();
         for element in mapping.children.iter().filter(|c| c.name == "MappingEntry") {
             let children = [&TRANSFORMATIONS[..], &["Annotations", "MetaData", "Signature"]];
             self.known(
@@ -58,14 +75,15 @@ impl Reader<'_> {
                 &children.concat(),
                 &["source", "target", "suppressUnitConversion"],
             );
-            let text = |name| element.require(name, &self.file, Code::Ssd).map(str::to_owned);
+            let text = |name| element.require(name, &self.file, Code::Ssd);
             let (source, target) = (text("source")?, text("target")?);
-            if let Some(first) = entries.iter().find(|e| e.target == target) {
+            if let Some(first) = lines.insert(target, element.line) {
                 return Err(self
                     .wrong(element, format!("two parameters are mapped to '{target}'"))
-                    .why(format!("the first on line {}", first.place.line)));
+                    .why(format!("the first on line {first}")));
             }
             let (stage, place) = (self.stage(element)?, self.place(element));
+            let (source, target) = (source.to_owned(), target.to_owned());
             entries.push(Entry { source, target, stage, place });
         }
         Ok(entries)

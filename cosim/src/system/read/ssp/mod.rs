@@ -85,7 +85,7 @@ pub(super) fn read(
         warnings: gathered.warnings,
         notes: gathered.notes,
         problems: gathered.problems,
-        _unpacked: gathered.unpacked,
+        _unpacked: gathered.packages.into_values().collect(),
         fmus: gathered.fmus,
     })
 }
@@ -172,6 +172,12 @@ impl Reader<'_> {
 
     fn known(&mut self, element: &Element, children: &[&str], attributes: &[&str]) {
         self.gathered.known(&self.file, element, children, attributes);
+    }
+
+    /// Refuses the system if so many more bytes are too many.
+    fn spend(&mut self, bytes: usize, element: &Element) -> Result<()> {
+        let place = self.place(element);
+        self.gathered.spend(bytes, &place)
     }
 
     fn place(&self, element: &Element) -> Place {

@@ -1,10 +1,12 @@
 //! Parameter bindings: values inline (`<ssd:ParameterValues>`) or in an .ssv file, with a prefix
 //! and a mapping.
 
-use std::path::Path;
+use std::collections::{HashMap, HashSet};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::element::of_fmi_2;
+use super::mapping::Entry;
 use super::{Reader, join};
 use crate::error::{Code, Error, Result};
 use crate::names;
@@ -36,19 +38,23 @@ impl Reader<'_> {
         let mapping = self.mapping(binding, component)?;
         let mut values = Vec::new();
         if let Some(source) = binding.get("source") {
-            let (root, mut other) = self.follow(binding, source, component)?;
-            other.set(&root, false, &mut values)?;
+            let set = self.set_in_file(binding, source, component)?;
+            self.spend(set.iter().map(RawParameter::size).sum(), binding)?;
+            values.extend(set.iter().cloned());
         }
         for set in binding.grandchildren("ParameterValues") {
             self.set(set, true, &mut values)?;
         }
         let prefix = binding.get("prefix").unwrap_or_default();
+        self.spend(values.len() * prefix.len(), binding)?;
         for value in &mut values {
             value.name.insert_str(0, prefix);
         }
         if let Some(entries) = mapping {
-            for entry in &entries {
-                if !values.iter().any(|v| v.name == entry.source) {
+            self.spend(entries.iter().map(Entry::size).sum(), binding)?;
+            let names: HashSet<&str> = values.iter().map(|v| v.name.as_str()).collect();
+            for entry in entries.iter() {
+                if !names.contains(entry.source.as_str()) {
                     let hint =
                         names::did_you_mean(&entry.source, values.iter().map(|v| v.name.as_str()));
                     self.gathered.warnings.push(format!(
@@ -59,8 +65,9 @@ impl Reader<'_> {
                     ));
                 }
             }
-            values = mapped(&values, &entries);
+            values = self.mapped(&values, &entries, binding)?;
         }
+        self.spend(values.len() * owner.len(), binding)?;
         for value in &mut values {
             value.name = join(owner, &value.name);
         }
@@ -68,18 +75,49 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// The root of the file that an element names as its source, and a reader for it.
-    pub(super) fn follow(
+    /// The values of a parameter file.
+    fn set_in_file(
         &mut self,
+        binding: &Element,
+        source: &str,
+        component: Option<&Path>,
+    ) -> Result<Arc<[RawParameter]>> {
+        let (base, file) = self.file(binding, source, component)?;
+        if let Some(read) = self.nested.parameter_files.get(&file) {
+            return Ok(read.clone());
+        }
+        let (root, mut other) = self.follow(binding, base, &file)?;
+        let mut values = Vec::new();
+        other.set(&root, false, &mut values)?;
+        let set: Arc<[RawParameter]> = values.into();
+        self.nested.parameter_files.insert(file, set.clone());
+        Ok(set)
+    }
+
+    /// The file that an element names as its source, and the base of sources in it.
+    pub(super) fn file(
+        &self,
         element: &Element,
         source: &str,
         component: Option<&Path>,
+    ) -> Result<(Base, PathBuf)> {
+        let base = self.base_of(element, component)?;
+        let file = base.open(source, &self.place(element))?;
+        Ok((base, file))
+    }
+
+    /// The root of a file that an element names, and a reader for it.
+    pub(super) fn follow(
+        &mut self,
+        element: &Element,
+        base: Base,
+        file: &Path,
     ) -> Result<(Element, Reader<'_>)> {
-        let (base, at) = (self.base_of(element, component)?, self.place(element));
-        let file = base.open(source, &at)?;
-        let root = xml::read(&file, &file).map_err(|e| e.help(format!("named in {at}")))?;
+        let at = self.place(element);
+        self.gathered.spend_on(file, &at)?;
+        let root = xml::read(file, file).map_err(|e| e.help(format!("named in {at}")))?;
         let reader = Reader {
-            file: Arc::from(file.as_path()),
+            file: Arc::from(file),
             base,
             units: Units::new(),
             gathered: self.gathered,
@@ -143,22 +181,29 @@ impl Reader<'_> {
             place: self.place(parameter),
         })
     }
-}
 
-/// Only mapped parameters, under their new names.
-fn mapped(values: &[RawParameter], entries: &[super::mapping::Entry]) -> Vec<RawParameter> {
-    let pairs = values.iter().flat_map(|value| {
-        entries.iter().filter(|e| e.source == value.name).map(move |entry| (value, entry))
-    });
-    pairs
-        .map(|(value, entry)| RawParameter {
-            name: entry.target.clone(),
-            kind: value.kind.clone(),
-            value: value.value.clone(),
-            unit: value.unit.clone(),
-            stages: vec![entry.stage.clone()],
-            required: value.required,
-            place: value.place.clone(),
-        })
-        .collect()
+    /// Only mapped parameters, under their new names.
+    fn mapped(
+        &mut self,
+        values: &[RawParameter],
+        entries: &[Entry],
+        binding: &Element,
+    ) -> Result<Vec<RawParameter>> {
+        let mut by_source: HashMap<&str, Vec<&Entry>> = HashMap::new();
+        for entry in entries {
+            by_source.entry(&entry.source).or_default().push(entry);
+        }
+        let mut mapped = Vec::new();
+        for value in values {
+            for entry in by_source.get(value.name.as_str()).into_iter().flatten() {
+                self.spend(value.size() + entry.size(), binding)?;
+                mapped.push(RawParameter {
+                    name: entry.target.clone(),
+                    stages: vec![entry.stage.clone()],
+                    ..value.clone()
+                });
+            }
+        }
+        Ok(mapped)
+    }
 }

@@ -1,0 +1,8 @@
+//! Scenarios: events as JSON, faults as TOML.
+#![no_main]
+#![allow(dead_code)]
+
+#[path = "../readers.rs"]
+mod readers;
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| readers::within(readers::scenario, bytes));

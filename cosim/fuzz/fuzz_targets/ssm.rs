@@ -1,0 +1,8 @@
+//! A mapping of parameters referenced by a system description.
+#![no_main]
+#![allow(dead_code)]
+
+#[path = "../readers.rs"]
+mod readers;
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| readers::within(readers::ssm, bytes));
