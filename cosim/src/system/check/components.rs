@@ -1,7 +1,7 @@
 //! Components: their names, FMUs and listed connectors.
 
 use std::collections::{HashMap, HashSet};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use super::Findings;
