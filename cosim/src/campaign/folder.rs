@@ -28,6 +28,11 @@ pub struct Folder {
 #[derive(Serialize, Deserialize)]
 struct Manifest {
     file: PathBuf,
+    /// What the file and its list were: a report does without them.
+    #[serde(default)]
+    text: String,
+    #[serde(default)]
+    list: Option<String>,
     identity: Vec<String>,
     cells: Vec<String>,
     figures: Vec<String>,
@@ -60,6 +65,8 @@ impl Folder {
         // The number of seeds, or the location of the file, may have changed.
         let new = Manifest {
             file: campaign.file.clone(),
+            text: campaign.text.clone(),
+            list: campaign.list_text.clone(),
             identity: identity.to_vec(),
             cells: campaign.cells.iter().map(|cell| cell.name.clone()).collect(),
             figures: campaign.figures().map(str::to_owned).collect(),
@@ -92,9 +99,9 @@ impl Folder {
     /// The contents of a folder, read-only: nothing is changed, and what cannot be read is skipped.
     pub fn contents(path: impl AsRef<Path>) -> Result<Contents> {
         let path = path.as_ref();
-        let Manifest { file, identity, cells, figures } = Manifest::read(path)?;
-        let (rows, notes) = (Vec::new(), Vec::new());
-        let mut contents = Contents { campaign: file, identity, cells, figures, rows, notes };
+        let Manifest { file, text, list, identity, cells, figures } = Manifest::read(path)?;
+        let (campaign, rows, notes) = (file, Vec::new(), Vec::new());
+        let mut contents = Contents { campaign, text, list, identity, cells, figures, rows, notes };
         let log = path.join(LOG);
         match File::open(&log) {
             Err(e) => contents.notes.push(format!("{} cannot be read: {e}", log.display())),
@@ -228,6 +235,8 @@ fn parsed(lines: &[u8]) -> Vec<Option<Parsed>> {
 pub struct Contents {
     /// The file of the campaign.
     pub campaign: PathBuf,
+    text: String,
+    list: Option<String>,
     /// The identity of the campaign, as lines of text.
     pub identity: Vec<String>,
     /// The names of its cells: run `n` belongs to cell `n` modulo their number.
@@ -265,6 +274,20 @@ impl Contents {
             }
             _ => {}
         }
+    }
+
+    /// The campaign from its file, or as it was if that cannot be read; this is noted.
+    pub(super) fn read_campaign(&mut self) -> Result<Campaign> {
+        Campaign::read(&self.campaign).or_else(|problem| {
+            if self.text.is_empty() {
+                return Err(problem);
+            }
+            let was = Campaign::parse_with(&self.text, &self.campaign, self.list.as_deref())?;
+            let why = problem.line();
+            self.notes
+                .push(format!("the campaign is shown as it was when its runs were made: {why}"));
+            Ok(was)
+        })
     }
 
     /// Fails with the first differences if they belong to another campaign than this file.

@@ -146,8 +146,11 @@ impl Report {
             bar.set_position(bar.length().unwrap_or(0) - left as u64);
             !interrupt::interrupted()
         };
-        let options =
-            campaign::Report { title: self.title.clone(), runs_per_cell: self.runs_per_cell };
+        let options = campaign::Report {
+            title: self.title.clone(),
+            runs_per_cell: self.runs_per_cell,
+            ..campaign::Report::default()
+        };
         let outcome = campaign::report(&self.results, &options, &mut more);
         bar.finish_and_clear();
         let (page, notes) = outcome?;

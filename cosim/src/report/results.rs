@@ -51,6 +51,8 @@ pub fn html(recording: &Recording, options: &Options) -> Result<String> {
     let document = Document::<()> {
         title: options.title.clone(),
         question: String::new(),
+        summary: Vec::new(),
+        sections: Vec::new(),
         notes: trace.notes.clone(),
         method: run_terms(),
         provenance,
