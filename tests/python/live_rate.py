@@ -6,6 +6,7 @@ It needs what the tests need, and a browser. Both are on this machine, so they s
 import os
 import subprocess
 import tempfile
+import time
 from pathlib import Path
 
 from browser import chromium
@@ -16,6 +17,9 @@ from test_live import SYSTEM, Live, status
 SIGNALS = 100
 SECONDS = 10
 STOP = "600"
+# 100 output instants in a second: more than a screen shows.
+FACTOR = 10
+PACE = [f"--real-time={FACTOR}"]
 
 
 def processor(child):
@@ -24,9 +28,9 @@ def processor(child):
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
-def watch(browser, folder, *arguments):
+def watch(browser, folder):
     """A run in real time with a page: its frames per second, and processor time for each second of the run."""
-    with Live(folder, "--stop-time", STOP, *arguments) as live:
+    with Live(folder, "--stop-time", STOP, *PACE) as live:
         page = browser.new_page(viewport={"width": 1280, "height": 900})
         page.goto(live.page)
         expect(status(page, "state")).to_have_text("paused")
@@ -42,20 +46,23 @@ def watch(browser, folder, *arguments):
         return frames / seconds, (now - used) / simulated
 
 
-def alone(folder, *arguments):
+def alone(folder):
     """Processor time of the same run without a server, for each second of it."""
-    stop = "100"
-    before = os.times()
-    subprocess.run([*map(str, [COSIM, *SYSTEM, "--stop-time", stop, *arguments, "-q", "-o", "alone.csv"])], cwd=folder, check=True)
-    after = os.times()
-    return (after.children_user + after.children_system - before.children_user - before.children_system) / float(stop)
+    command = [COSIM, *SYSTEM, "--stop-time", STOP, *PACE, "-q", "-o", "alone.csv"]
+    process = subprocess.Popen([*map(str, command)], cwd=folder)
+    time.sleep(2)
+    before = processor(process)
+    time.sleep(SECONDS)
+    used = processor(process) - before
+    process.kill()
+    process.wait()
+    return used / (SECONDS * FACTOR)
 
 
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as temporary, chromium() as browser:
         folder = Path(temporary)
-        # Ten output instants in 0.1 s: more than a screen shows.
-        frames, watched = watch(browser, folder, "--real-time=10")
-        cost = alone(folder, "--real-time=10")
+        frames, watched = watch(browser, folder)
+        cost = alone(folder)
         print(f"{SIGNALS} signals: {frames:.0f} frames per second")
         print(f"processor time for each second of the run: {1e3 * cost:.2f} ms alone, {1e3 * watched:.2f} ms watched")

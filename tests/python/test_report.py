@@ -419,9 +419,9 @@ def picture(page, canvas):
 
 
 def test_a_dive_is_seen_from_all_sides(page, tmp_path):
-    names = ["time", *[f"{of}.pose.{axis}" for of in "te" for axis in "xyz"], "e.sigma.x", "e.sigma.y", "t.thruster[0].thrust", "t.thruster[1].thrust", "t.health"]
+    names = ["time", *[f"{of}.pose.{axis}" for of in "te" for axis in "xyz"], "e.sigma.x", "e.sigma.y", "t.thruster[0].thrust", "t.thruster[1].thrust", "t.health", "t.mass"]
     turn = [(i / 10, math.cos(i / 30), math.sin(i / 30)) for i in range(200)]
-    rows = [[t, 20 * x, 20 * y, t, 20 * x + 0.3, 20 * y, t + 0.1, 0.4, 0.4, 10 * x, 10 * y, int(t > 12)] for t, x, y in turn]
+    rows = [[t, 20 * x, 20 * y, t, 20 * x + 0.3, 20 * y, t + 0.1, 0.4, 0.4, 10 * x, 10 * y, int(t > 12), 1863] for t, x, y in turn]
     with (tmp_path / "dive.csv").open("w", newline="") as file:
         csv.writer(file).writerows([names, *rows])
     cosim(tmp_path, "report", "dive.csv")
@@ -441,6 +441,11 @@ def test_a_dive_is_seen_from_all_sides(page, tmp_path):
     assert picture(page, canvas) != whole
     page.get_by_role("button", name="show all: map").click()
     assert picture(page, canvas) == whole
+    # What is not plotted is found all the same.
+    page.locator("summary", has_text="All signals").click()
+    for word, said in [("mass", "there is no room: 1 with this word"), ("nothing", "No variable has this word")]:
+        page.get_by_label("Search").fill(word)
+        expect(page.locator("details[open]").first).to_contain_text(said)
 
 
 def test_recordings_that_lack_things_are_opened(page, tmp_path):
@@ -468,6 +473,12 @@ def test_a_folder_that_was_half_written_is_opened(page, folder, tmp_path):
         page.evaluate("location.hash = ''")
         page.locator("#matrix td a").nth(cell).click()
         draw_all(page)
+    manifest = tmp_path / "c_campaign" / "campaign.json"
+    manifest.write_bytes(manifest.read_bytes()[:100])
+    cosim(tmp_path, "report", "c_campaign")
+    page.goto((tmp_path / "c_campaign" / "report.html").as_uri())
+    expect(page.locator(".notes")).to_contain_text("only the states of runs are shown")
+    expect(page.locator("table:has(caption:text('Runs by how they ended'))")).to_contain_text("ok")
 
 
 PAPER = ROOT / "target" / "reproduce" / "report.html"

@@ -100,14 +100,8 @@ impl Folder {
     pub fn contents(path: impl AsRef<Path>) -> Result<Contents> {
         let path = path.as_ref();
         let Manifest { file, text, list, identity, cells, figures } = Manifest::read(path)?;
-        let (campaign, rows, notes) = (file, Vec::new(), Vec::new());
-        let mut contents = Contents { campaign, text, list, identity, cells, figures, rows, notes };
-        let log = path.join(LOG);
-        match File::open(&log) {
-            Err(e) => contents.notes.push(format!("{} cannot be read: {e}", log.display())),
-            Ok(log) => contents.read(&log),
-        }
-        Ok(contents)
+        let (rows, notes) = rows_alone(path);
+        Ok(Contents { campaign: file, text, list, identity, cells, figures, rows, notes })
     }
 
     fn read_log(&mut self) -> Result<()> {
@@ -181,6 +175,39 @@ fn logged(path: &Path) -> Result<Vec<Row>> {
     Ok(rows)
 }
 
+/// The rows in a folder that can be read, each run once, and what cannot be read.
+pub(super) fn rows_alone(path: &Path) -> (Vec<Row>, Vec<String>) {
+    const SHOWN: usize = 5;
+    let (mut rows, mut notes) = (Vec::new(), Vec::new());
+    let file = path.join(LOG);
+    let log = match File::open(&file) {
+        Ok(log) => log,
+        Err(e) => return (rows, vec![format!("{} cannot be read: {e}", file.display())]),
+    };
+    let (mut lost, mut known) = (0, HashSet::new());
+    let whole = read_rows(&log, |line, row| match row {
+        Ok(row) if known.insert(row.run) => rows.push(row),
+        Ok(_) => {}
+        Err(e) => {
+            lost += 1;
+            if lost <= SHOWN {
+                notes.push(format!("line {line} of {LOG} is not a row: {e}"));
+            }
+        }
+    });
+    if lost > SHOWN {
+        notes.push(format!("{} more lines of {LOG} are not rows", lost - SHOWN));
+    }
+    match (whole, log.metadata()) {
+        (Err(e), _) => notes.push(format!("{LOG} cannot be read to its end: {e}")),
+        (Ok((whole, lines)), Ok(file)) if whole < file.len() => {
+            notes.push(format!("line {} of {LOG} is incomplete", lines + 1));
+        }
+        _ => {}
+    }
+    (rows, notes)
+}
+
 /// The row in a line of the log.
 type Parsed = serde_json::Result<Row>;
 
@@ -250,32 +277,6 @@ pub struct Contents {
 }
 
 impl Contents {
-    fn read(&mut self, log: &File) {
-        const SHOWN: usize = 5;
-        let (mut lost, mut known) = (0, HashSet::new());
-        let (rows, notes) = (&mut self.rows, &mut self.notes);
-        let whole = read_rows(log, |line, row| match row {
-            Ok(row) if known.insert(row.run) => rows.push(row),
-            Ok(_) => {}
-            Err(e) => {
-                lost += 1;
-                if lost <= SHOWN {
-                    notes.push(format!("line {line} of {LOG} is not a row: {e}"));
-                }
-            }
-        });
-        if lost > SHOWN {
-            notes.push(format!("{} more lines of {LOG} are not rows", lost - SHOWN));
-        }
-        match (whole, log.metadata()) {
-            (Err(e), _) => notes.push(format!("{LOG} cannot be read to its end: {e}")),
-            (Ok((whole, lines)), Ok(file)) if whole < file.len() => {
-                notes.push(format!("line {} of {LOG} is incomplete", lines + 1));
-            }
-            _ => {}
-        }
-    }
-
     /// The campaign from its file, or as it was if that cannot be read; this is noted.
     pub(super) fn read_campaign(&mut self) -> Result<Campaign> {
         Campaign::read(&self.campaign).or_else(|problem| {

@@ -15,7 +15,7 @@ use self::sample::{Input, Sampling};
 use super::judgement::Judgement;
 use super::{Answer, Bench, Campaign, Contents, Folder, Row};
 use crate::error::{Error, Result};
-use crate::report::{Document, Section, Term, Trace, Units};
+use crate::report::{Block, Document, Section, Table, Term, Trace, Units};
 
 /// How a campaign is reported.
 #[derive(Debug, Clone, Default)]
@@ -77,7 +77,10 @@ pub fn report(
     options: &Report,
     more: &mut dyn FnMut(usize) -> bool,
 ) -> Result<(String, Vec<String>)> {
-    let mut contents = Folder::contents(folder)?;
+    let mut contents = match Folder::contents(folder) {
+        Ok(contents) => contents,
+        Err(problem) => return remains(folder, options, problem),
+    };
     let mut read = || {
         let mut campaign = contents.read_campaign()?;
         campaign.seeds = options.seeds.unwrap_or(campaign.seeds);
@@ -123,7 +126,7 @@ pub fn report(
         sections: options.sections.clone(),
         notes: notes.clone(),
         method: method(&campaign),
-        provenance: provenance(&campaign, &contents),
+        provenance: provenance(&campaign, &contents, folder),
         identity: identity(&contents),
         campaign: Some(campaign_data(&campaign, folder, &judgement, &units, main, sampling, cells)),
         runs,
@@ -307,14 +310,54 @@ fn method(campaign: &Campaign) -> Vec<Term> {
     terms
 }
 
-fn provenance(campaign: &Campaign, contents: &Contents) -> Vec<Term> {
-    vec![
+fn provenance(campaign: &Campaign, contents: &Contents, folder: &Path) -> Vec<Term> {
+    let table = folder.join("runs.parquet");
+    let rest = table.exists().then(|| {
+        let what = "has a row for each run: its parameters, figures and digest";
+        Term::new("All runs", format!("{} {what}", table.display()))
+    });
+    let mut terms = vec![
         Term::new("Campaign", contents.campaign.display().to_string()),
         Term::new("Root seed", campaign.seed.to_string()),
         Term::new("Runs of each cell", campaign.seeds.to_string()),
         Term::new("Identity (SHA-256)", super::fingerprint(&contents.identity)),
-        Term::new("Reported by", concat!("cosim ", env!("CARGO_PKG_VERSION"))),
-    ]
+        reported_by(),
+    ];
+    terms.extend(rest);
+    terms
+}
+
+fn reported_by() -> Term {
+    Term::new("Reported by", concat!("cosim ", env!("CARGO_PKG_VERSION")))
+}
+
+/// What the log alone says, where the folder's campaign cannot be read; an error if there is no row.
+fn remains(folder: &Path, options: &Report, problem: Error) -> Result<(String, Vec<String>)> {
+    let (rows, mut notes) = super::folder::rows_alone(folder);
+    if rows.is_empty() {
+        return Err(problem);
+    }
+    notes.insert(0, format!("only the states of runs are shown: {}", problem.line()));
+    let mut table = Table::new("Runs by how they ended", &["state", "runs"]);
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    rows.iter().for_each(|row| *counts.entry(row.status.word()).or_default() += 1);
+    counts.into_iter().for_each(|(state, runs)| table.push([state.to_owned(), runs.to_string()]));
+    let mut section = Section::new("Runs");
+    section.blocks.push(Block::Table(table));
+    let stem = || folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let document = Document::<()> {
+        title: options.title.clone().unwrap_or_else(stem),
+        question: String::new(),
+        summary: Vec::new(),
+        sections: vec![section],
+        notes: notes.clone(),
+        method: Vec::new(),
+        provenance: vec![reported_by()],
+        identity: Vec::new(),
+        campaign: None,
+        runs: BTreeMap::new(),
+    };
+    Ok((document.html()?, notes))
 }
 
 /// Files and their hashes first.

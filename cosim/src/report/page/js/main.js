@@ -4,6 +4,7 @@ import { cellView, runFacts } from "./cell.js";
 import { address } from "./format.js";
 import { notes, overview } from "./overview.js";
 import { runView, traceFacts } from "./run.js";
+import { sectionsOf } from "./sections.js";
 import { startTheme, themeButton } from "./theme.js";
 
 const REPORT = JSON.parse(document.getElementById("data").textContent);
@@ -38,7 +39,8 @@ function otherRun({ expected, seeds, cells }, cell, run) {
 
 function view() {
   const { campaign, runs, title } = REPORT;
-  if (!campaign) return { path: [], parts: [el("h1", {}, title), notes(REPORT), traceFacts(runs[""]), runView(runs[""])] };
+  const alone = runs[""];
+  if (!campaign) return { path: [], parts: [el("h1", {}, title), notes(REPORT), sectionsOf(REPORT.sections), alone && [traceFacts(alone), runView(alone)]] };
   const { name, cell, run } = parsed(location.hash, campaign.cells);
   if (name === "") return { path: [], parts: overview(REPORT) };
   if (!cell) return { path: [], parts: [el("h1", {}, title), el("p", {}, `This report has no cell '${name}'. `, el("a", { href: "#" }, "All cells"))] };

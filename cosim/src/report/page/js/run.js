@@ -256,6 +256,11 @@ function planeOf({ title, x, y, lines }) {
   return el("figure", { class: "plot" }, el("figcaption", {}, title), plane.canvas, el("ul", { class: "legend" }, legend), plane.buttons(title));
 }
 
+/** The name of a variable whose component has a section. */
+function fullName(section, name) {
+  return section === "variables" ? name : `${section}.${name}`;
+}
+
 /** All variables: plots by component, filtered by name, and a table. */
 function everything(trace, clock) {
   const components = [...new Set(trace.signals.map((plot) => plot.section))];
@@ -268,7 +273,10 @@ function everything(trace, clock) {
     const shown = wanted.slice(0, 60);
     list.replaceChildren(...shown.map((plot) => timePlot({ ...plot, title: `${plot.section}: ${plot.title}` }, clock, trace.faults)));
     if (wanted.length > shown.length) list.append(el("p", { class: "soft" }, `${wanted.length - shown.length} more plots: search for a longer word.`));
-    if (wanted.length === 0) list.append(el("p", { class: "soft" }, "No variable that changes has this word in its name."));
+    const plotted = new Set(trace.signals.flatMap((plot) => plot.lines.map((line) => fullName(plot.section, line.name))));
+    const hidden = word ? trace.table.filter(({ name }) => name.toLowerCase().includes(word) && !plotted.has(name)).length : 0;
+    if (hidden > 0) list.append(el("p", { class: "soft" }, `Not plotted, because they do not change or because there is no room: ${hidden} with this word. Their numbers are under All variables; cosim report --plot plots them.`));
+    else if (wanted.length === 0) list.append(el("p", { class: "soft" }, "No variable has this word in its name."));
   };
   refill();
   const search = el("input", { type: "search", id: "search", oninput: () => {

@@ -7,7 +7,7 @@ const BLOCKS = {
   code: (text) => el("pre", { tabindex: "0" }, el("code", {}, text)),
   table: ({ caption, header, rows }) => table(caption, header, rows.map((row) => header.map((_, column) => row[column] ?? ""))),
   // An image runs no scripts, whatever is in it.
-  figure: ({ svg, caption }) => el("figure", {},
+  figure: ({ svg, caption }) => el("figure", { class: "drawn" },
     el("div", { class: "picture", tabindex: "0", role: "group", "aria-label": "Picture" },
       el("img", { src: `data:image/svg+xml,${encodeURIComponent(svg)}`, alt: caption })),
     el("figcaption", {}, caption)),
