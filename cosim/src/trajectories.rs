@@ -64,7 +64,7 @@ impl Recording {
             .collect()
     }
 
-    fn roles(&self, declared: Option<&Declaration>) -> Result<Roles> {
+    pub(crate) fn roles(&self, declared: Option<&Declaration>) -> Result<Roles> {
         let names = Names::new(self.names().iter().map(String::as_str));
         let units = self.known_units();
         let measures = self.names().iter().zip(&units);

@@ -13,6 +13,7 @@ import shutil
 import socket
 import struct
 import subprocess
+import time
 from pathlib import Path
 from urllib.parse import urlsplit
 
@@ -72,8 +73,9 @@ def status(page, term):
     return page.locator("#status div").filter(has=page.get_by_text(term, exact=True)).locator("dd")
 
 
-def test_a_run_is_watched_steered_and_repeated(browser, tmp_path):
-    arguments = ["--stop-time", "30"]
+@pytest.mark.parametrize("workers", [[], ["--workers", "2"]], ids=["one process", "workers"])
+def test_a_run_is_watched_steered_and_repeated(browser, tmp_path, workers):
+    arguments = ["--stop-time", "30", *workers]
     with Live(tmp_path, *arguments) as live:
         page = browser.new_page()
         wrong = problems(page)
@@ -174,8 +176,8 @@ def test_nothing_is_answered_without_the_token_and_only_this_machine_is(tmp_path
         quiet.wait()
 
 
-def stalled(url, protocol):
-    """A client that requests everything and reads nothing."""
+def stalled(url, protocol, columns=range(300)):
+    """A client that requests these columns and reads nothing."""
     address = urlsplit(url)
     line = socket.socket()
     line.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
@@ -185,11 +187,50 @@ def stalled(url, protocol):
         f"GET /?{address.query} HTTP/1.1\r\nHost: x\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
         f"Sec-WebSocket-Key: {key}\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Protocol: {protocol}\r\n\r\n".encode()
     )
-    text = json.dumps({"op": "show", "number": 1, "columns": list(range(300))}).encode()
+    text = json.dumps({"op": "show", "number": 1, "columns": [*columns]}).encode()
+    assert len(text) < 65536
     mask = b"\1\2\3\4"
     masked = bytes(byte ^ mask[i % 4] for i, byte in enumerate(text))
     line.sendall(b"\x81\xfe" + struct.pack(">H", len(text)) + mask + masked)
     return line
+
+
+def is_connected(server, client):
+    """Whether the server's side of a connection of this machine is open, from /proc/net/tcp."""
+    ends = [f"0100007F:{port:04X}" for port in (server, client)]
+    lines = [line.split() for line in Path("/proc/net/tcp").read_text().splitlines()[1:]]
+    return any(line[1:3] == ends and line[3] == "01" for line in lines)
+
+
+def test_a_stalled_client_stops_neither_the_run_nor_others(browser, tmp_path):
+    """60 s with three clients. The stalled one requests 48 MB, more than all buffers of a connection hold."""
+    arguments = ["--stop-time", "60"]
+    with Live(tmp_path, *arguments) as live:
+        with stalled(live.page, "cosim.live.v1", [i % 100 for i in range(10_000)]) as line:
+            pages = [browser.new_page() for _ in range(2)]
+            for page in pages:
+                page.goto(live.page)
+                expect(status(page, "state")).to_have_text("paused")
+            began = time.monotonic()
+            pages[0].get_by_label("Speed").select_option(label="as fast as it can")
+            pages[0].get_by_role("button", name="Go on").click()
+            for page in pages:
+                expect(status(page, "state")).to_have_text("ended")
+                expect(status(page, "time")).to_have_text("60 s of 60 s")
+                assert page.evaluate("livePage.store.t.at(-1)") == 60
+            # A client is dropped when it has taken nothing for 10 s: the end did not wait for that.
+            if time.monotonic() - began < 9:
+                assert is_connected(urlsplit(live.page).port, line.getsockname()[1])
+            live.end()
+            # What was sent is in the buffers, and then the connection ends.
+            received = 0
+            with contextlib.suppress(ConnectionError):
+                while part := line.recv(1 << 20):
+                    received += len(part)
+            assert received < 24_000_000
+        for page in pages:
+            page.close()
+    assert (tmp_path / "run.csv").read_bytes() == plain(tmp_path, *arguments)
 
 
 CLIENT = """([url, topics, protocols]) => new Promise((resolve, reject) => {

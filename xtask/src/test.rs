@@ -43,5 +43,7 @@ pub(crate) fn run() -> Result<()> {
 
 fn pytest(arguments: &[&str]) -> Result<()> {
     let mut command = Command::new(python::TESTS.interpreter()?);
-    process::run(command.args(["-m", "pytest", "-q"]).args(arguments).current_dir(paths::root()))
+    process::run(
+        command.args(["-m", "pytest", "-q", "-rs"]).args(arguments).current_dir(paths::root()),
+    )
 }

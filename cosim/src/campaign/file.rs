@@ -17,6 +17,9 @@ use crate::table::{Document, Table};
 pub struct Campaign {
     /// The file.
     pub file: PathBuf,
+    /// Its text, and that of the list: kept with the results.
+    pub(super) text: String,
+    pub(super) list_text: Option<String>,
     /// The question that it answers; may be empty.
     pub description: String,
     /// The number from which all random numbers are derived.
@@ -88,6 +91,11 @@ impl Campaign {
     }
 
     pub(super) fn parse(text: &str, file: &Path) -> Result<Self> {
+        Self::parse_with(text, file, None)
+    }
+
+    /// From the text of a file and, if it no longer exists, that of its list.
+    pub(super) fn parse_with(text: &str, file: &Path, list_text: Option<&str>) -> Result<Self> {
         let document = Document::new(text, file, Code::Campaign);
         let parsed = document.parse()?;
         let root = document.root(&parsed);
@@ -96,6 +104,8 @@ impl Campaign {
         let path = |text: &str| folder.join(text);
         let mut campaign = Self {
             file: file.to_owned(),
+            text: text.to_owned(),
+            list_text: None,
             description: root.text("description").unwrap_or_default().to_owned(),
             seed: root.count("seed").unwrap_or(0),
             seeds: root.count("seeds").unwrap_or(1) as usize,
@@ -155,8 +165,15 @@ impl Campaign {
             root.wrong("[systems] is missing: names and files of systems");
         }
         if let Some(list) = root.text("list") {
-            match read_list(&path(list)) {
-                Ok(read) => campaign.list = read,
+            let file = path(list);
+            let text = match list_text {
+                Some(text) => Ok(text.to_owned()),
+                None => std::fs::read_to_string(&file).map_err(|e| {
+                    Error::new(Code::File, "the list cannot be read").at(&file).why(e)
+                }),
+            };
+            match text.and_then(|text| Ok((read_list(&file, &text)?, text))) {
+                Ok((read, text)) => (campaign.list, campaign.list_text) = (read, Some(text)),
                 Err(problem) => document.note(problem),
             }
         }
@@ -463,9 +480,7 @@ fn conditions(root: &Table<'_>) -> Vec<Condition> {
 }
 
 /// A list of parameters: names in the first line of a CSV file, values in the others.
-fn read_list(file: &Path) -> Result<(Vec<String>, Vec<Vec<String>>)> {
-    let text = crate::files::read_input_text(file)
-        .map_err(|e| Error::new(Code::File, "the list cannot be read").at(file).why(e))?;
+fn read_list(file: &Path, text: &str) -> Result<(Vec<String>, Vec<Vec<String>>)> {
     let cells = |line: &str| -> Vec<String> {
         line.split(',').map(|cell| cell.trim().trim_matches('"').to_owned()).collect()
     };

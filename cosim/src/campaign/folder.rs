@@ -34,6 +34,11 @@ const SYNC: Duration = Duration::from_secs(1);
 #[derive(Serialize, Deserialize)]
 struct Manifest {
     file: PathBuf,
+    /// What the file and its list were: a report does without them.
+    #[serde(default)]
+    text: String,
+    #[serde(default)]
+    list: Option<String>,
     identity: Vec<String>,
     cells: Vec<String>,
     figures: Vec<String>,
@@ -66,6 +71,8 @@ impl Folder {
         // The number of seeds, or the location of the file, may have changed.
         let new = Manifest {
             file: campaign.file.clone(),
+            text: campaign.text.clone(),
+            list: campaign.list_text.clone(),
             identity: identity.to_vec(),
             cells: campaign.cells.iter().map(|cell| cell.name.clone()).collect(),
             figures: campaign.figures().map(str::to_owned).collect(),
@@ -98,15 +105,9 @@ impl Folder {
     /// The contents of a folder, read-only: nothing is changed, and what cannot be read is skipped.
     pub fn contents(path: impl AsRef<Path>) -> Result<Contents> {
         let path = path.as_ref();
-        let Manifest { file, identity, cells, figures } = Manifest::read(path)?;
-        let (rows, notes) = (Vec::new(), Vec::new());
-        let mut contents = Contents { campaign: file, identity, cells, figures, rows, notes };
-        let log = path.join(LOG);
-        match File::open(&log) {
-            Err(e) => contents.notes.push(format!("{} cannot be read: {e}", log.display())),
-            Ok(log) => contents.read(&log),
-        }
-        Ok(contents)
+        let Manifest { file, text, list, identity, cells, figures } = Manifest::read(path)?;
+        let (rows, notes) = rows_alone(path);
+        Ok(Contents { campaign: file, text, list, identity, cells, figures, rows, notes })
     }
 
     fn read_log(&mut self) -> Result<()> {
@@ -204,6 +205,39 @@ fn logged(path: &Path) -> Result<Vec<Row>> {
     Ok(rows)
 }
 
+/// The rows in a folder that can be read, each run once, and what cannot be read.
+pub(super) fn rows_alone(path: &Path) -> (Vec<Row>, Vec<String>) {
+    const SHOWN: usize = 5;
+    let (mut rows, mut notes) = (Vec::new(), Vec::new());
+    let file = path.join(LOG);
+    let log = match File::open(&file) {
+        Ok(log) => log,
+        Err(e) => return (rows, vec![format!("{} cannot be read: {e}", file.display())]),
+    };
+    let (mut lost, mut known) = (0, HashSet::new());
+    let whole = read_rows(&log, |line, row| match row {
+        Ok(row) if known.insert(row.run) => rows.push(row),
+        Ok(_) => {}
+        Err(e) => {
+            lost += 1;
+            if lost <= SHOWN {
+                notes.push(format!("line {line} of {LOG} is not a row: {e}"));
+            }
+        }
+    });
+    if lost > SHOWN {
+        notes.push(format!("{} more lines of {LOG} are not rows", lost - SHOWN));
+    }
+    match (whole, log.metadata()) {
+        (Err(e), _) => notes.push(format!("{LOG} cannot be read to its end: {e}")),
+        (Ok((whole, lines)), Ok(file)) if whole < file.len() => {
+            notes.push(format!("line {} of {LOG} is incomplete", lines + 1));
+        }
+        _ => {}
+    }
+    (rows, notes)
+}
+
 /// The row in a line of the log.
 type Parsed = serde_json::Result<Row>;
 
@@ -258,6 +292,8 @@ fn parsed(lines: &[u8]) -> Vec<Option<Parsed>> {
 pub struct Contents {
     /// The file of the campaign.
     pub campaign: PathBuf,
+    text: String,
+    list: Option<String>,
     /// The identity of the campaign, as lines of text.
     pub identity: Vec<String>,
     /// The names of its cells: run `n` belongs to cell `n` modulo their number.
@@ -271,30 +307,18 @@ pub struct Contents {
 }
 
 impl Contents {
-    fn read(&mut self, log: &File) {
-        const SHOWN: usize = 5;
-        let (mut lost, mut known) = (0, HashSet::new());
-        let (rows, notes) = (&mut self.rows, &mut self.notes);
-        let whole = read_rows(log, |line, row| match row {
-            Ok(row) if known.insert(row.run) => rows.push(row),
-            Ok(_) => {}
-            Err(e) => {
-                lost += 1;
-                if lost <= SHOWN {
-                    notes.push(format!("line {line} of {LOG} is not a row: {e}"));
-                }
+    /// The campaign from its file, or as it was if that cannot be read; this is noted.
+    pub(super) fn read_campaign(&mut self) -> Result<Campaign> {
+        Campaign::read(&self.campaign).or_else(|problem| {
+            if self.text.is_empty() {
+                return Err(problem);
             }
-        });
-        if lost > SHOWN {
-            notes.push(format!("{} more lines of {LOG} are not rows", lost - SHOWN));
-        }
-        match (whole, log.metadata()) {
-            (Err(e), _) => notes.push(format!("{LOG} cannot be read to its end: {e}")),
-            (Ok((whole, lines)), Ok(file)) if whole < file.len() => {
-                notes.push(format!("line {} of {LOG} is incomplete", lines + 1));
-            }
-            _ => {}
-        }
+            let was = Campaign::parse_with(&self.text, &self.campaign, self.list.as_deref())?;
+            let why = problem.line();
+            self.notes
+                .push(format!("the campaign is shown as it was when its runs were made: {why}"));
+            Ok(was)
+        })
     }
 
     /// Fails with the first differences if they belong to another campaign than this file.

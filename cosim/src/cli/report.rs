@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use cosim::campaign;
 use cosim::report::{Choice, Estimate, Options, Picture, Plot, Units, XyPlot, html, picture};
+use cosim::roles::Declaration;
 use cosim::scenario::Scenario;
 use cosim::{Code, Error, Overrides, Recording, Result, System, files, names};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -47,6 +48,10 @@ pub(crate) struct Report {
     /// An estimated path, as filter.pose (repeatable; default: those with standard deviations)
     #[arg(long, value_name = "NAME")]
     estimate: Vec<String>,
+    /// A file that assigns variables to the truth, its estimates and sensors, with their axes
+    /// (default: by the names of the variables)
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["truth", "estimate"])]
+    roles: Option<PathBuf>,
 }
 
 /// What a file with this extension is.
@@ -93,12 +98,13 @@ impl Report {
         let recording = Recording::read(&self.results)?;
         let stem = || self.results.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let estimate = |path: &String| Estimate { path: path.clone(), ..Estimate::default() };
-        let mut sources = vec![("Results".to_owned(), self.results.display().to_string())];
+        let mut sources = vec![("Results".to_owned(), self.results.clone())];
         let mut source = |name: &str, file: &Option<PathBuf>| {
-            sources.extend(file.iter().map(|f| (name.to_owned(), f.display().to_string())));
+            sources.extend(file.iter().map(|f| (name.to_owned(), f.clone())));
         };
         source("System", &self.system);
         source("Scenario", &self.scenario);
+        source("Roles", &self.roles);
         let options = Options {
             title: self.title.clone().unwrap_or_else(stem),
             plots: self.plot.clone(),
@@ -107,7 +113,9 @@ impl Report {
             choice: Choice {
                 truth: self.truth.clone(),
                 estimates: self.estimate.iter().map(estimate).collect(),
+                ..Choice::default()
             },
+            roles: self.roles.as_ref().map(Declaration::read).transpose()?,
             scenario: self.scenario.as_ref().map(Scenario::read).transpose()?,
             sources,
         };
@@ -125,6 +133,7 @@ impl Report {
             ("--scenario", self.scenario.is_some()),
             ("--truth", self.truth.is_some()),
             ("--estimate", !self.estimate.is_empty()),
+            ("--roles", self.roles.is_some()),
         ];
         if let Some((option, _)) = given.iter().find(|(_, given)| *given) {
             let what = format!("{option} applies to the results of one run, but a folder is given");
@@ -145,8 +154,11 @@ impl Report {
             bar.set_position(bar.length().unwrap_or(0) - left as u64);
             !interrupt::interrupted()
         };
-        let options =
-            campaign::Report { title: self.title.clone(), runs_per_cell: self.runs_per_cell };
+        let options = campaign::Report {
+            title: self.title.clone(),
+            runs_per_cell: self.runs_per_cell,
+            ..campaign::Report::default()
+        };
         let outcome = campaign::report(&self.results, &options, &mut more);
         bar.finish_and_clear();
         let (page, notes) = outcome?;

@@ -84,9 +84,28 @@ impl Recording {
     }
 
     /// The units of the columns, empty where none is known.
-    pub(super) fn with_units(mut self, units: Vec<String>) -> Self {
+    pub(crate) fn with_units(mut self, units: Vec<String>) -> Self {
         self.units = units;
         self
+    }
+
+    /// These columns, then others of numbers: names, units and values.
+    pub(crate) fn with_columns(&self, kept: &[usize], more: Vec<(String, &str, Vec<f64>)>) -> Self {
+        let unit = |place: usize| self.units.get(place).cloned().unwrap_or_default();
+        let mut all = Self { time: self.time.clone(), ..Self::default() };
+        for &place in kept {
+            all.names.push(self.names[place].clone());
+            all.forms.push(self.forms[place]);
+            all.units.push(unit(place));
+            all.columns.push(self.columns[place].clone());
+        }
+        for (name, unit, values) in more {
+            all.names.push(name);
+            all.forms.push(Form::Real);
+            all.units.push(unit.to_owned());
+            all.columns.push(values);
+        }
+        all
     }
 
     /// Sets the units of the columns for which they are known.

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use minijinja::context;
 use serde::Serialize;
 
-use super::page;
+use super::page::{self, Section};
 use super::run::Trace;
 use crate::{Code, Error, Result};
 
@@ -14,6 +14,10 @@ use crate::{Code, Error, Result};
 pub(crate) struct Document<C: Serialize> {
     pub(crate) title: String,
     pub(crate) question: String,
+    /// Paragraphs at the top.
+    pub(crate) summary: Vec<String>,
+    /// Text, tables and pictures of a campaign.
+    pub(crate) sections: Vec<Section>,
     /// Notes on what is missing.
     pub(crate) notes: Vec<String>,
     pub(crate) method: Vec<Term>,
@@ -45,8 +49,9 @@ const COMMON: [&str; 6] = [
     include_str!("page/js/timeplot.js"),
     include_str!("page/js/plane.js"),
 ];
-const REPORT: [&str; 6] = [
+const REPORT: [&str; 7] = [
     include_str!("page/js/distribution.js"),
+    include_str!("page/js/sections.js"),
     include_str!("page/js/overview.js"),
     include_str!("page/js/cell.js"),
     include_str!("page/js/space.js"),
@@ -118,7 +123,7 @@ pub(crate) fn run_terms() -> Vec<Term> {
         ),
         (
             "Truth and estimates",
-            "From the figures of a campaign, or given by --truth and --estimate. Otherwise, a \
+            "From the figures of a campaign, or given by --truth and --estimate or --roles. Otherwise, a \
              group called pose or position whose component has standard deviations (sigma.x, \
              sigma.y) is an estimate, and the first pose without them is the truth.",
         ),
@@ -146,6 +151,8 @@ mod tests {
         let document = Document::<()> {
             title: "</script><script>alert(1)</script>".into(),
             question: String::new(),
+            summary: Vec::new(),
+            sections: Vec::new(),
             notes: vec!["<!-- <img src=x onerror=alert(1)>".into()],
             method: run_terms(),
             provenance: Vec::new(),

@@ -72,7 +72,7 @@ impl Component {
 }
 
 /// The prefix without the last part; for an array the name of its element with empty brackets.
-fn group_name(signal: &str) -> String {
+pub(super) fn group_name(signal: &str) -> String {
     match (signal.split_once('['), signal.rsplit_once('.')) {
         (Some((array, rest)), _) => {
             format!("{array}[]{}", rest.split_once(']').map_or("", |(_, leaf)| leaf))

@@ -17,6 +17,7 @@
 
 mod convert;
 mod decimate;
+mod declared;
 mod document;
 mod draw;
 mod figure;

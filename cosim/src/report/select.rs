@@ -1,8 +1,9 @@
 //! Selected signals: `--plot "title: a, b"` over time and `--xy "title: x, y; x2, y2"` as paths.
 
+use super::Units;
 use crate::{Code, Error, Result};
 
-/// Signals to draw over time in one panel.
+/// Signals to draw over time in one panel for each unit.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Plot {
     /// Title of the figure.
@@ -18,6 +19,21 @@ pub struct XyPlot {
     pub title: String,
     /// Names of horizontal and vertical signals.
     pub pairs: Vec<(String, String)>,
+}
+
+impl XyPlot {
+    /// The pairs, grouped so that those of a group may share their axes.
+    pub(super) fn by_unit(&self, units: &Units) -> Vec<Vec<&(String, String)>> {
+        let axes = |(x, y): &(String, String)| (units.axis(x), units.axis(y));
+        let mut groups: Vec<Vec<&(String, String)>> = Vec::new();
+        for pair in &self.pairs {
+            match groups.iter_mut().find(|group| axes(group[0]) == axes(pair)) {
+                Some(group) => group.push(pair),
+                None => groups.push(vec![pair]),
+            }
+        }
+        groups
+    }
 }
 
 impl std::str::FromStr for Plot {

@@ -3,9 +3,11 @@
 
 use std::collections::HashMap;
 
+use super::grouping::group_name;
 use crate::fmi::Kind;
 use crate::names::Aliases;
 use crate::observe::Recording;
+use crate::roles::base_factor;
 use crate::system::System;
 use crate::units::suggested::suggested;
 
@@ -35,6 +37,15 @@ impl Units {
         self
     }
 
+    /// Adds other units; those of `self` take precedence.
+    #[must_use]
+    pub(crate) fn or(mut self, other: Self) -> Self {
+        for (name, unit) in other.described {
+            self.described.entry(name).or_insert(unit);
+        }
+        self
+    }
+
     /// The same variables also under other names.
     pub(crate) fn with(mut self, aliases: &Aliases) -> Self {
         let by_alias = |(name, unit): (&String, &String)| {
@@ -53,6 +64,21 @@ impl Units {
     /// The variables for which a description has units.
     pub(crate) fn names(&self) -> Vec<String> {
         self.described.keys().cloned().collect()
+    }
+
+    /// Variables of which this is equal may share an axis: those with the same unit, and elements of
+    /// an array whose unit is not known.
+    pub(crate) fn axis(&self, name: &str) -> (bool, String) {
+        match self.unit(name) {
+            Some(unit) => (true, unit.to_owned()),
+            None if name.contains('[') => (false, group_name(name)),
+            None => (false, name.to_owned()),
+        }
+    }
+
+    /// By what an angle is multiplied to be in radians.
+    pub(crate) fn radians(&self, name: &str) -> f64 {
+        base_factor(self.unit(name))
     }
 
     /// The unit of a variable, if it is known.

@@ -23,7 +23,7 @@ pub use declaration::Declaration;
 pub(crate) use names::Names;
 pub(crate) use paths::Paths;
 pub use paths::{Choice, Estimate};
-pub(crate) use row::{Group, Measure, Place};
+pub(crate) use row::{Group, Measure, Place, base_factor};
 
 use crate::error::Result;
 

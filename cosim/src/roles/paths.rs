@@ -16,6 +16,8 @@ pub struct Choice {
     pub truth: Option<String>,
     /// Estimates of it.
     pub estimates: Vec<Estimate>,
+    /// Position fixes; `None`: those whose names say so.
+    pub fixes: Option<Vec<String>>,
 }
 
 /// An estimated path.
@@ -88,6 +90,7 @@ impl Paths {
         let owners: Vec<String> =
             owners.filter_map(|path| Some(format!("{}.", path.rsplit_once('.')?.0))).collect();
         fixes.retain(|fix| !owners.iter().any(|owner| fix.starts_with(owner)));
+        let fixes = choice.fixes.clone().unwrap_or(fixes);
         Ok(Self { truth, estimates, fixes })
     }
 }

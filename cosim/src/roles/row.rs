@@ -24,11 +24,16 @@ impl Measure {
     /// By the name of the unit, or otherwise by that of the variable; an unknown unit counts as a
     /// base unit.
     pub(crate) fn named(unit: Option<&str>, variable: &str) -> Self {
-        let factor = match unit.or_else(|| suggested(variable)) {
-            Some("deg" | "°") => std::f64::consts::PI / 180.0,
-            _ => 1.0,
-        };
+        let factor = base_factor(unit.or_else(|| suggested(variable)));
         Self(Linear { factor, offset: 0.0 })
+    }
+}
+
+/// By what a value in this unit is multiplied to be in base units; an unknown unit counts as one.
+pub(crate) fn base_factor(unit: Option<&str>) -> f64 {
+    match unit {
+        Some("deg" | "°") => std::f64::consts::PI / 180.0,
+        _ => 1.0,
     }
 }
 

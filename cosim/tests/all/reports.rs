@@ -106,6 +106,17 @@ fn what_a_folder_lacks_is_named_and_the_rest_is_shown() {
         (&reported["campaign"]["runs"], &reported["campaign"]["failed"]),
         (&21.into(), &1.into())
     );
+    // The manifest is cut short: the states of the runs are left.
+    let manifest = folder.join("c_campaign/campaign.json");
+    let whole = std::fs::read(&manifest).unwrap();
+    std::fs::write(&manifest, &whole[..whole.len() / 2]).unwrap();
+    let (reported, stderr) = report(folder, &["c_campaign"]);
+    assert!(reported["campaign"].is_null());
+    assert!(strings(&reported["notes"])[0].contains("campaign.json"), "{}", reported["notes"]);
+    assert!(stderr.contains("only the states of runs are shown"), "{stderr}");
+    let table = &reported["sections"][0]["blocks"][0]["value"]["rows"];
+    assert_eq!(*table, serde_json::json!([["crashed", "1"], ["ok", "20"]]));
+    std::fs::write(&manifest, whole).unwrap();
     // Only the manifest: no run is finished.
     std::fs::remove_file(folder.join("c_campaign/runs.jsonl")).unwrap();
     let (reported, _) = report(folder, &["c_campaign"]);
@@ -130,6 +141,27 @@ fn runs_that_cannot_be_made_again_are_a_line_with_the_reason() {
     let (code, stderr) = outcome(folder, &["report", "c_campaign"]);
     assert_eq!(code, 3, "{stderr}");
     assert!(stderr.contains("E211") && stderr.contains("quiet"), "{stderr}");
+}
+
+#[test]
+fn a_campaign_is_reported_without_its_file_and_its_list() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    campaign(folder, "");
+    write(folder, "list.csv", "g.k\n1\n2\n");
+    let (head, figures) =
+        (HEAD.split("[dispersions]").next().unwrap(), HEAD.split("[figures]").nth(1));
+    let head = head.replace("seeds = 12", "seeds = 3\nlist = 'list.csv'");
+    write(folder, "c.toml", &format!("{head}[figures]{}", figures.unwrap()));
+    let (code, stderr) = outcome(folder, &["campaign", "c.toml", "-q"]);
+    assert_eq!(code, 0, "{stderr}");
+    let (before, _) = report(folder, &["c_campaign"]);
+    std::fs::rename(folder.join("c.toml"), folder.join("moved.toml")).unwrap();
+    std::fs::remove_file(folder.join("list.csv")).unwrap();
+    let (after, stderr) = report(folder, &["c_campaign"]);
+    assert!(stderr.contains("as it was when its runs were made"), "{stderr}");
+    assert!(strings(&after["notes"])[0].contains("c.toml"), "{}", after["notes"]);
+    assert_eq!((&after["campaign"], &after["runs"]), (&before["campaign"], &before["runs"]));
 }
 
 #[test]
@@ -244,13 +276,71 @@ fn a_run_has_its_map_errors_and_innovations_with_units() {
     let high = plot("e.nis.fix: NIS")["limits"]["high"].as_f64().unwrap();
     assert!((high - 5.023_886).abs() < 1e-5, "{high}");
     // No axis has two units.
-    for plot in plots.iter().chain(run["signals"].as_array().unwrap()) {
-        assert!(plot["unit"].is_string());
+    let rows = run["table"].as_array().unwrap();
+    let unit = |name: &str| {
+        let row = rows.iter().find(|row| row["name"] == name);
+        row.map(|row| &row["unit"])
+    };
+    let signals = run["signals"].as_array().unwrap();
+    for (plot, line) in signals
+        .iter()
+        .flat_map(|plot| plot["lines"].as_array().unwrap().iter().map(move |l| (plot, l)))
+    {
+        let (section, name) = (plot["section"].as_str().unwrap(), line["name"].as_str().unwrap());
+        let name =
+            if section == "variables" { name.to_owned() } else { format!("{section}.{name}") };
+        assert_eq!(Some(&plot["unit"]), unit(&name), "{name}");
     }
+    let of_variables = plots.iter().filter_map(|plot| {
+        let title = plot["title"].as_str().unwrap();
+        Some((&plot["unit"], unit(title.strip_suffix(": error").unwrap_or(title))?, title))
+    });
+    let of_variables: Vec<_> = of_variables.collect();
+    assert!(of_variables.len() >= 4, "{of_variables:?}");
+    of_variables.iter().for_each(|(plot, known, title)| assert_eq!(plot, known, "{title}"));
     let table: Vec<&str> =
         run["table"].as_array().unwrap().iter().map(|row| row["name"].as_str().unwrap()).collect();
     assert!(table.contains(&"<script>alert(1)</script>"), "{table:?}");
     assert!(table.contains(&"odd \", name"), "{table:?}");
+}
+
+#[test]
+fn files_of_a_run_are_named_with_their_hashes() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    write(folder, "r.csv", "time,a.pose.x\n0,1\n");
+    write(folder, "s.toml", "");
+    let (reported, _) = report(folder, &["r.csv", "--scenario", "s.toml"]);
+    let provenance = reported["provenance"].as_array().unwrap();
+    let of = |term: &str| {
+        provenance.iter().find(|entry| entry["term"] == term).unwrap()["text"].as_str().unwrap()
+    };
+    // sha256sum
+    let empty = "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855";
+    assert_eq!(of("Scenario"), format!("s.toml, SHA-256 {empty}"));
+    assert!(of("Results").starts_with("r.csv, SHA-256 "), "{}", of("Results"));
+}
+
+#[test]
+fn paths_are_those_that_a_file_declares() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    write(folder, "r.csv", "time,e,n,nav.east,nav.north\n0,1,2,1.5,2\n1,3,4,3.5,4\n");
+    let roles = "axes = 'enu'\n[truth]\npose = { x = 'e', y = 'n' }\n\
+        [estimates.nav]\npose = { x = 'nav.east', y = 'nav.north' }\n";
+    write(folder, "roles.toml", roles);
+    let (reported, _) = report(folder, &["r.csv", "--roles", "roles.toml"]);
+    let paths = &reported["runs"][""]["map"]["paths"];
+    let of = |place: usize| (&paths[place]["name"], &paths[place]["role"], &paths[place]["x"]);
+    let north = serde_json::json!([2, 4]);
+    assert_eq!(of(0), (&"truth.pose".into(), &"truth".into(), &north));
+    assert_eq!(of(1), (&"nav.pose".into(), &"estimate".into(), &north));
+    let plots = reported["runs"][""]["plots"].as_array().unwrap();
+    let east = plots.iter().find(|plot| plot["title"] == "nav.pose.y: error").unwrap();
+    assert_eq!((&east["unit"], &east["lines"][0]["v"][0]), (&"m".into(), &0.5.into()));
+    // They are given in one way.
+    let both = ["report", "r.csv", "--roles", "roles.toml", "--truth", "truth.pose"];
+    assert_eq!(outcome(folder, &both).0, 2);
 }
 
 #[test]

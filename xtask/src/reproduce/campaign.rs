@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::{Context, ensure};
 use cosim::Recording;
-use cosim::campaign::{Bench, Status};
+use cosim::campaign::{Bench, Folder, Report, Row, Status, report};
 
 use super::case::Case;
 use super::metrics::Metrics;
@@ -23,6 +23,8 @@ pub(crate) const FILED_SEEDS: u32 = 20;
 pub(crate) struct Outcome {
     pub(crate) case: Case,
     pub(crate) metrics: Metrics,
+    /// Its row among the results of the campaign.
+    pub(crate) row: Row,
     /// The signals, of the seed that the figures show.
     pub(crate) trace: Option<Trace>,
 }
@@ -33,9 +35,24 @@ pub(crate) struct Campaign {
     pub(crate) outcomes: Vec<Outcome>,
 }
 
+/// The page of the campaign whose results are in a folder, with text, tables and pictures of its
+/// own.
+pub(crate) fn page(folder: &Path, report_with: &Report) -> anyhow::Result<String> {
+    let (page, notes) = report(folder, report_with, &mut |_| true)?;
+    notes.iter().for_each(|note| println!("Note: {note}"));
+    Ok(page)
+}
+
 impl Campaign {
     /// Makes all runs on this many threads; result files of the paper's columns go into a folder.
-    pub(crate) fn run(seeds: u32, threads: usize, folder: &Path) -> anyhow::Result<Self> {
+    ///
+    /// The rows go into another folder, as those of `cosim campaign`.
+    pub(crate) fn run(
+        seeds: u32,
+        threads: usize,
+        folder: &Path,
+        results: &Path,
+    ) -> anyhow::Result<Self> {
         std::fs::create_dir_all(folder)
             .with_context(|| format!("cannot create {}", folder.display()))?;
         let bench = bench(seeds)?;
@@ -43,6 +60,7 @@ impl Campaign {
         let outcomes = on_threads("reproduce", &cases(&bench)?, threads, |(case, run)| {
             make(&bench, case, *run, folder).with_context(|| format!("the run {case} failed"))
         })?;
+        write(&bench, &outcomes, results)?;
         Ok(Campaign { outcomes })
     }
 
@@ -63,15 +81,29 @@ impl Campaign {
     }
 }
 
+/// Puts the rows into a new folder, in the order of their numbers.
+fn write(bench: &Bench, outcomes: &[Outcome], folder: &Path) -> anyhow::Result<()> {
+    if folder.exists() {
+        std::fs::remove_dir_all(folder)
+            .with_context(|| format!("cannot empty {}", folder.display()))?;
+    }
+    let identity = bench.identity()?;
+    let mut results = Folder::open(folder, bench.campaign(), &identity)?;
+    let mut rows: Vec<&Row> = outcomes.iter().map(|outcome| &outcome.row).collect();
+    rows.sort_by_key(|row| row.run);
+    rows.into_iter().try_for_each(|row| results.add(row.clone()))?;
+    Ok(results.write_table(bench.campaign(), &identity, false)?)
+}
+
 fn make(bench: &Bench, case: &Case, run: u64, folder: &Path) -> anyhow::Result<Outcome> {
     let mut recording = Recording::new();
     let row = bench.replay(run, &SIGNALS.map(str::to_owned), &mut recording);
-    ensure!(row.status == Status::Ok, row.reason);
+    ensure!(row.status == Status::Ok, row.reason.clone());
     if case.is_in_paper() && case.seed <= FILED_SEEDS {
         recording.write_csv(folder.join(case.file_name()))?;
     }
     let trace = Trace::of(&recording)?;
     let metrics = Metrics::of(&trace, &case.course.path()?);
     let trace = (case.seed == SHOWN_SEED).then_some(trace);
-    Ok(Outcome { case: *case, metrics, trace })
+    Ok(Outcome { case: *case, metrics, row, trace })
 }

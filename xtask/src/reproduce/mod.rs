@@ -2,7 +2,8 @@
 //!
 //! Makes the runs of the campaign `examples/campaign/paper.toml`, evaluates each as the paper does,
 //! prints Tables 7 to 9 beside the paper's numbers and the verdicts of goal G1, and writes
-//! `target/reproduce`: `report.html`, `figures/*.svg`, `runs/*.csv`.
+//! `target/reproduce`: `report.html`, the page of the campaign with the paper's tables and figures;
+//! `campaign`, a folder as `cosim campaign` writes it; `figures/*.svg`; `runs/*.csv`.
 
 mod campaign;
 mod case;
@@ -45,7 +46,8 @@ pub(crate) struct Options {
 pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
     let threads = options.threads.unwrap_or_else(default_threads);
     let folder = paths::target().join("reproduce");
-    let campaign = Campaign::run(options.seeds, threads, &folder.join("runs"))?;
+    let results = folder.join("campaign");
+    let campaign = Campaign::run(options.seeds, threads, &folder.join("runs"), &results)?;
     let verdicts = verdicts(&campaign);
     print(&campaign, &verdicts);
 
@@ -57,7 +59,7 @@ pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
     if !options.paper_only {
         page.sections.insert(5, comparison::section(options.seeds, threads)?);
     }
-    let html = page.html()?;
+    let html = campaign::page(&results, &page)?;
     std::fs::write(&report, html).with_context(|| format!("cannot write {}", report.display()))?;
     println!("Report: {}", report.display());
     conclude(&campaign, &verdicts)

@@ -1,11 +1,13 @@
-//! The report's text: the experiment, the results, and where and why they differ from the paper.
+//! What the report says beside the campaign: the experiment, the results, and where and why they
+//! differ from the paper.
 
-use cosim::report::{Block, Page, Section};
+use cosim::campaign::Report;
+use cosim::report::{Block, Section};
 
 use super::campaign::{Campaign, FILED_SEEDS, SHOWN_SEED};
 use super::case::{Case, Course, Filter};
 use super::figures::Figures;
-use super::settings::{self, CAMPAIGN, SPEED_M_S, SYSTEM};
+use super::settings::{CAMPAIGN, SPEED_M_S, SYSTEM};
 use super::{metrics, tables};
 use crate::experiment::Verdict;
 
@@ -48,15 +50,20 @@ pub(crate) const DIFFERENCES: [&str; 8] = [
      the paper's reference 26).",
 ];
 
-/// The page.
+/// How the campaign is reported.
 pub(crate) fn page(
     campaign: &Campaign,
     verdicts: &[Verdict],
     figures: &Figures,
     seeds: u32,
-) -> anyhow::Result<Page> {
-    Ok(Page {
-        title: "Dynamic and kinematic EKF on RexROV: the paper's experiment, repeated".into(),
+) -> anyhow::Result<Report> {
+    let of_figures = |case: &Case| case.is_in_paper() && case.seed == SHOWN_SEED;
+    let shown = campaign.outcomes.iter().filter(|outcome| of_figures(&outcome.case));
+    Ok(Report {
+        title: Some("Dynamic and kinematic EKF on RexROV: the paper's experiment, repeated".into()),
+        runs_per_cell: 2,
+        also: shown.map(|outcome| outcome.row.run).collect(),
+        seeds: Some(seeds as usize),
         summary: summary(campaign, verdicts, seeds),
         sections: vec![
             setup(campaign, seeds),
@@ -66,11 +73,8 @@ pub(crate) fn page(
             equal_fix(campaign),
             paths(figures)?,
             signals(figures)?,
-            repeat()?,
+            repeat(),
         ],
-        footer:
-            "Written by cargo xtask reproduce. The same sources and seeds give the same numbers."
-                .into(),
     })
 }
 
@@ -85,6 +89,12 @@ fn summary(campaign: &Campaign, verdicts: &[Verdict], seeds: u32) -> Vec<String>
     let finding = if ratios.iter().all(|r| *r > 1.0) { "holds" } else { "does not hold" };
     vec![
         format!(
+            "{reached} of {} goals reached: the bands in which the paper's results count as \
+             reproduced, in the section Goals. The verdict above is that of the thresholds in \
+             {CAMPAIGN}, each of which bounds all possible seeds.",
+            verdicts.len()
+        ),
+        format!(
             "Balasubramanian, Rajput, Hascaryo, Rastogi and Norris compare two extended Kalman \
              filters for an underwater vehicle: one predicts with a dynamic model, the other with \
              the IMU. This report repeats their experiment with {} for each of three courses and \
@@ -92,15 +102,11 @@ fn summary(campaign: &Campaign, verdicts: &[Verdict], seeds: u32) -> Vec<String>
             count(seeds, "seed")
         ),
         format!(
-            "{reached} of {} goals are reached. The paper's main finding {finding} in its own \
-             settings: along y the error of the kinematic filter is {:.1} times that of the dynamic \
+            "The paper's main finding {finding} in its own settings: along y the error of the kinematic filter is {:.1} times that of the dynamic \
              one on BE1, {:.1} times on BE2 and {:.1} times on BE3. The sections below explain how \
              much of this comes from the position fix and from one equation of the filter, rather \
              than from the dynamic model.",
-            verdicts.len(),
-            ratios[0],
-            ratios[1],
-            ratios[2]
+            ratios[0], ratios[1], ratios[2]
         ),
     ]
 }
@@ -206,20 +212,12 @@ fn signals(figures: &Figures) -> anyhow::Result<Section> {
     Ok(section)
 }
 
-/// The folder in which `cargo xtask reproduce` puts `cosim`, for a shell in the root of the
-/// workspace.
-const PROGRAM: &str = "export PATH=$PWD/target/release:$PATH\n";
-
-fn repeat() -> anyhow::Result<Section> {
+fn repeat() -> Section {
     let mut section = Section::new("Repeat one run");
     section.text(format!(
-        "Runs of the tables are kept in target/reproduce/runs, up to seed {FILED_SEEDS}. To repeat \
-         one of them, use the program that was built with this report:"
+        "Every run has its command on its page; `cosim` is in target/release. The runs of the tables \
+         up to seed {FILED_SEEDS} are also in target/reproduce/runs, and all rows in \
+         target/reproduce/campaign/runs.parquet."
     ));
-    let filter = Filter::Kinematic;
-    let case = Case { course: Course::Be3, filter, fix: filter.paper_fix(), seed: SHOWN_SEED };
-    section.blocks.push(Block::Code(format!("{PROGRAM}{}", settings::command(&case)?)));
-    section.text("A page with all its signals:");
-    section.blocks.push(Block::Code(format!("cosim report {}", case.file_name())));
-    Ok(section)
+    section
 }

@@ -76,14 +76,6 @@ fn stop_time(case: &Case) -> Result<f64> {
     Ok((4.0 / 3.0 * case.course.path()?.length() / SPEED_M_S).ceil())
 }
 
-/// The command that repeats one run.
-pub(crate) fn command(case: &Case) -> Result<String> {
-    let mut arguments = arguments(case)?;
-    arguments.push(("--output-file".to_owned(), case.file_name()));
-    let parts = arguments.iter().map(|(option, value)| format!("{option} {value}"));
-    Ok(format!("cosim {}", parts.collect::<Vec<_>>().join(" \\\n    ")))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

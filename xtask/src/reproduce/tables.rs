@@ -90,6 +90,8 @@ fn finished(runs: &[Metrics]) -> String {
 
 #[cfg(test)]
 mod tests {
+    use cosim::campaign::{Row, Status};
+
     use super::super::campaign::Outcome;
     use super::*;
 
@@ -100,7 +102,8 @@ mod tests {
             let finish_time = if case.seed == 2 { f64::NAN } else { 190.0 };
             let (total, x_rmse, y_mse) = (scale, 2.0 * scale, y_rmse * y_rmse);
             let metrics = Metrics { total, x_rmse, y_rmse, y_mse, finish_time };
-            Outcome { case, metrics, trace: None }
+            let row = Row::without_figures(0, Status::Ok, "");
+            Outcome { case, metrics, row, trace: None }
         };
         Campaign { outcomes: Case::all(3).into_iter().map(outcome).collect() }
     }

@@ -1,5 +1,6 @@
 //! The part of the page for each cell.
 
+use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
 use serde::Serialize;
@@ -14,6 +15,8 @@ use crate::report::{Numbers, chi_square_quantile, mean, quantile};
 #[derive(Serialize)]
 pub(super) struct Cell<'a> {
     pub(super) name: &'a str,
+    /// Run `n` belongs to it if `n` modulo the number of all cells is this.
+    place: usize,
     /// Position in the matrix.
     row: String,
     column: String,
@@ -32,6 +35,9 @@ pub(super) struct Cell<'a> {
     sample: Sample,
     /// Runs that are shown in full.
     pub(super) shown: Vec<ShownRun>,
+    /// Those that were chosen for it, and why.
+    #[serde(skip)]
+    pub(super) chosen: Vec<(u64, &'static str)>,
 }
 
 /// A figure over time, and its 95 % interval if the filter is consistent.
@@ -94,11 +100,17 @@ pub(super) struct Source<'a> {
     pub(super) rows: Vec<Vec<&'a Row>>,
     /// For each figure.
     pub(super) freedom: Vec<Option<usize>>,
+    /// The figure by which runs are ordered.
+    pub(super) main: Main,
+    /// How many runs of a cell are shown in full.
+    pub(super) runs_per_cell: usize,
+    /// Other runs that are shown in full.
+    pub(super) also: &'a [u64],
 }
 
 impl<'a> Source<'a> {
     /// A cell with this many runs as points.
-    pub(super) fn cell(&self, cell: usize, sampling: &Sampling, main: &Main) -> Cell<'a> {
+    pub(super) fn cell(&self, cell: usize, sampling: &Sampling) -> Cell<'a> {
         let campaign = self.campaign;
         let (own, name) = (&campaign.cells[cell], campaign.cell_name(cell));
         let (row, column) = self.place(cell);
@@ -107,8 +119,12 @@ impl<'a> Source<'a> {
         let listed = own.row.iter().flat_map(|row| campaign.list.1[*row].iter());
         let rows = &self.rows[cell];
         let figures = (0..campaign.summarized().len()).map(|figure| self.figure(cell, figure));
+        let also = self.also.iter().filter(|run| campaign.cell_of(**run) == cell);
+        let also: Vec<u64> = also.copied().collect();
+        let chosen = self.main.choose(rows, self.runs_per_cell, &also);
         Cell {
             name,
+            place: cell,
             row,
             column,
             levels: levels.chain(listed.map(String::as_str)).collect(),
@@ -120,8 +136,9 @@ impl<'a> Source<'a> {
             over_time: self.over_time(name),
             sensitivity: sampling.sensitivity(rows),
             failures: failures(rows),
-            sample: sampling.sample(campaign, rows, main.figure),
+            sample: sampling.sample(campaign, rows, &self.main, &chosen),
             shown: Vec::new(),
+            chosen,
         }
     }
 
@@ -201,17 +218,12 @@ pub(super) struct Main {
 impl Main {
     /// The figure of the first threshold, otherwise the first one.
     pub(super) fn of(campaign: &Campaign) -> Self {
-        let first = campaign.verdicts.first();
-        Self {
-            figure: first.map_or(0, |threshold| threshold.figure),
-            small_is_bad: first.is_some_and(|threshold| threshold.least.is_some()),
-        }
+        let figure = campaign.verdicts.first().map_or(0, |threshold| threshold.figure);
+        Self { figure, small_is_bad: small_is_bad(campaign, figure) }
     }
 
-    /// Runs to show: the worst, the median, then others evenly spaced between them.
-    pub(super) fn choose(&self, rows: &[&Row], count: usize) -> Vec<(u64, &'static str)> {
-        let mut good: Vec<&&Row> = rows.iter().filter(|row| row.status == Status::Ok).collect();
-        // From the worst on; a value that is not a number counts as the worst.
+    /// The order from the worst run on; a value that is not a number counts as the worst.
+    pub(super) fn worse(&self, a: &Row, b: &Row) -> Ordering {
         let badness = |row: &Row| {
             let value = row.figure(self.figure);
             if value.is_nan() {
@@ -222,7 +234,19 @@ impl Main {
                 value
             }
         };
-        good.sort_by(|a, b| badness(b).total_cmp(&badness(a)).then(a.run.cmp(&b.run)));
+        badness(b).total_cmp(&badness(a)).then(a.run.cmp(&b.run))
+    }
+
+    /// Runs to show: the worst, the median, then others evenly spaced between them, and `also`.
+    pub(super) fn choose(
+        &self,
+        rows: &[&Row],
+        count: usize,
+        also: &[u64],
+    ) -> Vec<(u64, &'static str)> {
+        let mut good: Vec<&Row> =
+            rows.iter().copied().filter(|row| row.status == Status::Ok).collect();
+        good.sort_by(|a, b| self.worse(a, b));
         let last = match good.len() {
             0 => return Vec::new(),
             length => length - 1,
@@ -235,8 +259,20 @@ impl Main {
                 chosen.push((run, why));
             }
         }
+        let made = |run: &&u64| good.iter().any(|row| row.run == **run);
+        for run in also.iter().filter(made) {
+            if chosen.iter().all(|(known, _)| known != run) {
+                chosen.push((*run, "chosen"));
+            }
+        }
         chosen
     }
+}
+
+/// Whether the first threshold of a figure is a lower bound.
+pub(super) fn small_is_bad(campaign: &Campaign, figure: usize) -> bool {
+    let first = campaign.verdicts.iter().find(|threshold| threshold.figure == figure);
+    first.is_some_and(|threshold| threshold.least.is_some())
 }
 
 fn failures(rows: &[&Row]) -> Vec<Failure> {

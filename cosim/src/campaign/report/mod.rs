@@ -14,16 +14,24 @@ use self::cells::{Cell, Main, Source, urgency};
 use self::sample::{Input, Sampling};
 use super::judgement::Judgement;
 use super::{Answer, Bench, Campaign, Contents, Folder, Row};
-use crate::error::Result;
-use crate::report::{Document, Term, Trace, Units};
+use crate::error::{Error, Result};
+use crate::report::{Block, Document, Section, Table, Term, Trace, Units};
 
 /// How a campaign is reported.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Report {
     /// Title of the page; by default the name of the campaign.
     pub title: Option<String>,
     /// How many runs of each cell are repeated and shown in full: the worst, the median, others.
     pub runs_per_cell: usize,
+    /// Runs that are shown in full in any case.
+    pub also: Vec<u64>,
+    /// The number of runs of each cell, if it is not that of the file.
+    pub seeds: Option<usize>,
+    /// Paragraphs below the verdict.
+    pub summary: Vec<String>,
+    /// Text, tables and pictures below the matrix.
+    pub sections: Vec<Section>,
 }
 
 /// Maximum size in octets of the cells, and of all data.
@@ -57,6 +65,7 @@ struct Figure {
     name: String,
     what: String,
     unit: String,
+    small_is_bad: bool,
 }
 
 /// The page of the campaign whose results are in a folder, and notes on what is missing. `more` is
@@ -68,29 +77,38 @@ pub fn report(
     options: &Report,
     more: &mut dyn FnMut(usize) -> bool,
 ) -> Result<(String, Vec<String>)> {
-    let contents = Folder::contents(folder)?;
-    let campaign = Campaign::read(&contents.campaign)?;
+    let mut contents = match Folder::contents(folder) {
+        Ok(contents) => contents,
+        Err(problem) => return remains(folder, options, problem),
+    };
+    let mut read = || {
+        let mut campaign = contents.read_campaign()?;
+        campaign.seeds = options.seeds.unwrap_or(campaign.seeds);
+        Ok::<_, Error>(campaign)
+    };
+    let (campaign, repeated) = (read()?, read()?);
+    contents.notes.dedup();
     contents.fit(&campaign, folder)?;
     let mut notes = contents.notes.clone();
-    let bench = shown::bench(&contents);
+    let bench = shown::bench(repeated, &contents);
     let units = match &bench {
         Ok(bench) => bench.units(0, &["*".to_owned()]).unwrap_or_default(),
         Err(_) => Units::default(),
     };
     let judgement = Judgement::new(&campaign, &contents.rows);
-    let source = source(&campaign, &contents.rows, &judgement, &units);
-    let main = Main::of(&campaign);
+    let source = source(&campaign, &contents.rows, &judgement, &units, options);
+    let main = source.main.figure;
     let unit = |name: &str| units.unit(name).unwrap_or_default().to_owned();
     let mut sampling = Sampling {
         inputs: Input::of_all(&campaign, &contents.rows, unit),
         figures: campaign.summarized().len(),
         replicates: usize::MAX,
     };
-    let mut cells = fitting(&source, &mut sampling, &main, &mut notes);
-    let used = octets(&cells);
+    let mut cells = fitting(&source, &mut sampling, &mut notes);
+    let used = octets(&cells) + octets(&options.sections);
     let mut runs = BTreeMap::new();
-    if options.runs_per_cell > 0 && !contents.rows.is_empty() {
-        let plan = shown::plan(&source, &cells, &main, options.runs_per_cell);
+    let plan = shown::plan(&cells);
+    if !plan.is_empty() {
         let space = ALL.saturating_sub(used);
         let most = space / RUN;
         if plan.len() > most {
@@ -104,13 +122,13 @@ pub fn report(
     let document = Document {
         title: options.title.clone().unwrap_or_else(|| name(&campaign)),
         question: campaign.description.clone(),
+        summary: options.summary.clone(),
+        sections: options.sections.clone(),
         notes: notes.clone(),
         method: method(&campaign),
-        provenance: provenance(&campaign, &contents),
+        provenance: provenance(&campaign, &contents, folder),
         identity: identity(&contents),
-        campaign: Some(campaign_data(
-            &campaign, folder, &judgement, &units, &main, sampling, cells,
-        )),
+        campaign: Some(campaign_data(&campaign, folder, &judgement, &units, main, sampling, cells)),
         runs,
     };
     Ok((document.html()?, notes))
@@ -121,6 +139,7 @@ fn source<'a>(
     all: &'a [Row],
     judgement: &'a Judgement,
     units: &Units,
+    options: &'a Report,
 ) -> Source<'a> {
     let mut rows: Vec<Vec<&Row>> = vec![Vec::new(); campaign.cells()];
     for row in all.iter().filter(|row| row.run < campaign.runs()) {
@@ -130,21 +149,28 @@ fn source<'a>(
     let recorded = units.names();
     let freedom =
         campaign.summarized().iter().map(|(_, figure)| figure.freedom(&recorded)).collect();
-    Source { campaign, judgement, rows, freedom }
+    Source {
+        campaign,
+        judgement,
+        rows,
+        freedom,
+        main: Main::of(campaign),
+        runs_per_cell: options.runs_per_cell,
+        also: &options.also,
+    }
 }
 
 /// All cells, with as many points as there is space for; if there is none, only the urgent cells.
 fn fitting<'a>(
     source: &Source<'a>,
     sampling: &mut Sampling,
-    main: &Main,
     notes: &mut Vec<String>,
 ) -> Vec<Cell<'a>> {
     let count = source.campaign.cells();
     // A number has about seven octets.
     let of_point = 8 * (1 + sampling.figures + sampling.inputs.len());
     sampling.replicates = CELLS / 2 / (of_point * count);
-    let mut cells: Vec<Cell<'a>> = (0..count).map(|c| source.cell(c, sampling, main)).collect();
+    let mut cells: Vec<Cell<'a>> = (0..count).map(|c| source.cell(c, sampling)).collect();
     let used = octets(&cells);
     if used > ALL - RUN {
         cells.sort_by_key(urgency);
@@ -157,16 +183,18 @@ fn fitting<'a>(
     let points = source.rows.iter().map(Vec::len).max().unwrap_or(0);
     if sampling.replicates < points {
         notes.push(format!(
-            "points are those of the first {} runs of each cell and of the worst: numbers, \
-             quantiles and verdicts are of all",
+            "points are those of the first {} runs of each cell, of the worst and of those shown in \
+             full: numbers, quantiles and verdicts are of all",
             sampling.replicates
         ));
     }
     cells
 }
 
+/// The size on the page, where `<` is written as `\u003c`.
 fn octets(of: &impl Serialize) -> usize {
-    serde_json::to_vec(of).map_or(0, |octets| octets.len())
+    let escaped = |octets: &[u8]| octets.iter().filter(|octet| **octet == b'<').count();
+    serde_json::to_vec(of).map_or(0, |octets| octets.len() + 5 * escaped(&octets))
 }
 
 fn missing(campaign: &Campaign, judgement: &Judgement, notes: &mut Vec<String>) {
@@ -187,7 +215,7 @@ fn campaign_data<'a>(
     folder: &Path,
     judgement: &Judgement,
     units: &Units,
-    main: &Main,
+    main: usize,
     sampling: Sampling,
     cells: Vec<Cell<'a>>,
 ) -> CampaignData<'a> {
@@ -199,10 +227,11 @@ fn campaign_data<'a>(
         count(|answer| *answer == Answer::Fail),
         count(|answer| matches!(answer, Answer::Undecided(_))),
     ];
-    let figure = |(name, figure): &(String, super::figure::Figure)| Figure {
+    let figure = |(place, (name, figure)): (usize, &(String, super::figure::Figure))| Figure {
         name: name.clone(),
         what: figure.words(),
         unit: figure.unit(units),
+        small_is_bad: cells::small_is_bad(campaign, place),
     };
     let folder = folder.display().to_string();
     CampaignData {
@@ -219,8 +248,8 @@ fn campaign_data<'a>(
             _ => "fail",
         },
         answers,
-        main: main.figure,
-        figures: campaign.summarized().iter().map(figure).collect(),
+        main,
+        figures: campaign.summarized().iter().enumerate().map(figure).collect(),
         levels: campaign
             .factors
             .iter()
@@ -281,14 +310,54 @@ fn method(campaign: &Campaign) -> Vec<Term> {
     terms
 }
 
-fn provenance(campaign: &Campaign, contents: &Contents) -> Vec<Term> {
-    vec![
+fn provenance(campaign: &Campaign, contents: &Contents, folder: &Path) -> Vec<Term> {
+    let table = folder.join("runs.parquet");
+    let rest = table.exists().then(|| {
+        let what = "has a row for each run: its parameters, figures and digest";
+        Term::new("All runs", format!("{} {what}", table.display()))
+    });
+    let mut terms = vec![
         Term::new("Campaign", contents.campaign.display().to_string()),
         Term::new("Root seed", campaign.seed.to_string()),
         Term::new("Runs of each cell", campaign.seeds.to_string()),
         Term::new("Identity (SHA-256)", super::fingerprint(&contents.identity)),
-        Term::new("Reported by", concat!("cosim ", env!("CARGO_PKG_VERSION"))),
-    ]
+        reported_by(),
+    ];
+    terms.extend(rest);
+    terms
+}
+
+fn reported_by() -> Term {
+    Term::new("Reported by", concat!("cosim ", env!("CARGO_PKG_VERSION")))
+}
+
+/// What the log alone says, where the folder's campaign cannot be read; an error if there is no row.
+fn remains(folder: &Path, options: &Report, problem: Error) -> Result<(String, Vec<String>)> {
+    let (rows, mut notes) = super::folder::rows_alone(folder);
+    if rows.is_empty() {
+        return Err(problem);
+    }
+    notes.insert(0, format!("only the states of runs are shown: {}", problem.line()));
+    let mut table = Table::new("Runs by how they ended", &["state", "runs"]);
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    rows.iter().for_each(|row| *counts.entry(row.status.word()).or_default() += 1);
+    counts.into_iter().for_each(|(state, runs)| table.push([state.to_owned(), runs.to_string()]));
+    let mut section = Section::new("Runs");
+    section.blocks.push(Block::Table(table));
+    let stem = || folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let document = Document::<()> {
+        title: options.title.clone().unwrap_or_else(stem),
+        question: String::new(),
+        summary: Vec::new(),
+        sections: vec![section],
+        notes: notes.clone(),
+        method: Vec::new(),
+        provenance: vec![reported_by()],
+        identity: Vec::new(),
+        campaign: None,
+        runs: BTreeMap::new(),
+    };
+    Ok((document.html()?, notes))
 }
 
 /// Files and their hashes first.

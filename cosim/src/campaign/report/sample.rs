@@ -4,11 +4,12 @@ use std::collections::HashSet;
 
 use serde::Serialize;
 
+use super::Main;
 use crate::campaign::{Campaign, Row, Status};
 use crate::report::Numbers;
 
 /// Some runs of a cell, column by column: the first replicates, which are the same in all cells,
-/// and the worst.
+/// the worst, and those that are shown in full.
 #[derive(Serialize)]
 pub(super) struct Sample {
     run: Vec<u64>,
@@ -70,24 +71,28 @@ impl Input {
 }
 
 impl Sampling {
-    pub(super) fn sample(&self, campaign: &Campaign, rows: &[&Row], main: usize) -> Sample {
-        let good = || rows.iter().filter(|row| row.status == Status::Ok);
-        let mut chosen: Vec<&Row> = Vec::new();
+    pub(super) fn sample(
+        &self,
+        campaign: &Campaign,
+        rows: &[&Row],
+        main: &Main,
+        shown: &[(u64, &str)],
+    ) -> Sample {
+        let good = || rows.iter().copied().filter(|row| row.status == Status::Ok);
+        let mut wanted: HashSet<u64> = shown.iter().map(|(run, _)| *run).collect();
         if self.replicates > 0 {
-            let first = |row: &&&Row| campaign.replicate_of(row.run) < self.replicates;
-            let mut worst: Vec<&Row> = good().copied().collect();
-            let worse = |a: &&Row, b: &&Row| b.figure(main).total_cmp(&a.figure(main));
+            let mut worst: Vec<&Row> = good().collect();
             let count = WORST.min(worst.len());
             if count < worst.len() {
-                worst.select_nth_unstable_by(count, worse);
+                worst.select_nth_unstable_by(count, |a, b| main.worse(a, b));
             }
-            let known: HashSet<u64> = good().filter(first).map(|row| row.run).collect();
-            chosen.extend(good().filter(first));
-            chosen.extend(worst[..count].iter().filter(|row| !known.contains(&row.run)));
+            wanted.extend(worst[..count].iter().map(|row| row.run));
         }
-        let column = |value: &dyn Fn(&Row) -> f64| {
-            Numbers::values(chosen.iter().map(|row| value(row)).collect::<Vec<_>>())
-        };
+        let first = |row: &Row| campaign.replicate_of(row.run) < self.replicates;
+        let chosen = good().filter(|row| first(row) || wanted.contains(&row.run));
+        let chosen: Vec<&Row> = chosen.collect();
+        let column =
+            |value: &dyn Fn(&Row) -> f64| Numbers::values(chosen.iter().map(|row| value(row)));
         let inputs = self.inputs.iter().enumerate();
         Sample {
             run: chosen.iter().map(|row| row.run).collect(),

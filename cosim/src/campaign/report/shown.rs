@@ -1,6 +1,6 @@
 //! Runs that are repeated to be shown in full.
 
-use super::cells::{Cell, Main, ShownRun, Source, urgency};
+use super::cells::{Cell, ShownRun, urgency};
 use super::{Bench, Campaign, Contents, Row, Runs};
 use crate::campaign::Status;
 use crate::error::{Error, Result};
@@ -19,9 +19,9 @@ pub(super) struct Shown<'a> {
 }
 
 /// Prepares the runs, if nothing has changed.
-pub(super) fn bench(contents: &Contents) -> Result<Bench, String> {
+pub(super) fn bench(campaign: Campaign, contents: &Contents) -> Result<Bench, String> {
     let line = |error: Error| error.line();
-    let bench = Bench::open(Campaign::read(&contents.campaign).map_err(line)?).map_err(line)?;
+    let bench = Bench::open(campaign).map_err(line)?;
     let now = bench.identity().map_err(line)?;
     let changed = contents.identity.iter().find(|line| !now.contains(line));
     match changed.or_else(|| now.iter().find(|line| !contents.identity.contains(line))) {
@@ -31,21 +31,11 @@ pub(super) fn bench(contents: &Contents) -> Result<Bench, String> {
 }
 
 /// The runs of all cells: first the worst of each, urgent cells before others.
-pub(super) fn plan(
-    source: &Source<'_>,
-    cells: &[Cell<'_>],
-    main: &Main,
-    count: usize,
-) -> Vec<Planned> {
-    let places = |cell: &Cell<'_>| {
-        let all = 0..source.campaign.cells();
-        all.into_iter().find(|place| source.campaign.cell_name(*place) == cell.name)
-    };
+pub(super) fn plan(cells: &[Cell<'_>]) -> Vec<Planned> {
     let mut plan: Vec<(usize, u8, Planned)> = Vec::new();
     for (position, cell) in cells.iter().enumerate() {
-        let Some(place) = places(cell) else { continue };
-        let chosen = main.choose(&source.rows[place], count).into_iter().enumerate();
-        plan.extend(chosen.map(|(rank, (run, why))| (rank, urgency(cell), (position, run, why))));
+        let chosen = cell.chosen.iter().enumerate();
+        plan.extend(chosen.map(|(rank, (run, why))| (rank, urgency(cell), (position, *run, *why))));
     }
     plan.sort_by_key(|(rank, urgency, _)| (*rank, *urgency));
     plan.into_iter().map(|(_, _, planned)| planned).collect()

@@ -6,6 +6,7 @@ use super::columns::Columns;
 use super::plots::Role;
 use super::thin;
 use crate::report::numbers::Numbers;
+use crate::report::units::Units;
 use crate::roles::{Estimate, Paths};
 
 /// Paths in a horizontal plane; x is north, y is east.
@@ -23,6 +24,7 @@ struct Path {
     y: Numbers,
     #[serde(skip_serializing_if = "Option::is_none")]
     z: Option<Numbers>,
+    /// In radians.
     #[serde(skip_serializing_if = "Option::is_none")]
     yaw: Option<Numbers>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -45,20 +47,27 @@ const FIXES: usize = 300;
 
 impl Map {
     /// With at most this many instants; `None` without a path.
-    pub(super) fn of(columns: &Columns<'_>, paths: &Paths, instants: usize) -> Option<Self> {
+    pub(super) fn of(
+        columns: &Columns<'_>,
+        paths: &Paths,
+        units: &Units,
+        instants: usize,
+    ) -> Option<Self> {
         let places = thin::even(columns.time.len(), instants);
         let truth = paths.truth.iter().map(|path| (path.clone(), Role::Truth, None));
         let estimates = paths.estimates.iter().map(|e| (e.path.clone(), Role::Estimate, Some(e)));
         let made = truth.chain(estimates).filter_map(|(name, role, estimate)| {
-            let pick = |leaf: &str| {
-                let values = columns.get(&format!("{name}.{leaf}"))?;
-                Some(Numbers::values(places.iter().map(|&place| values[place])))
+            let times = |leaf: &str, factor: &dyn Fn(&str) -> f64| {
+                let column = format!("{name}.{leaf}");
+                let (values, factor) = (columns.get(&column)?, factor(&column));
+                Some(Numbers::values(places.iter().map(|&place| factor * values[place])))
             };
+            let pick = |leaf: &str| times(leaf, &|_| 1.0);
             Some(Path {
                 x: pick("x")?,
                 y: pick("y")?,
                 z: pick("z"),
-                yaw: pick("yaw"),
+                yaw: times("yaw", &|column| units.radians(column)),
                 ellipses: estimate.and_then(|estimate| ellipses(columns, estimate, &places)),
                 role,
                 name: name.clone(),

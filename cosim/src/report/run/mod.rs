@@ -54,6 +54,9 @@ pub(crate) struct Trace {
     pub(crate) notes: Vec<String>,
 }
 
+/// A list of a plot has at least this many values, or the plot is left out.
+const LEAST: usize = 20;
+
 /// Curves of pairs of variables, at equal scale.
 #[derive(Debug, Clone, Serialize)]
 struct Plane {
@@ -120,9 +123,20 @@ impl Trace {
             (behind, table) = (plots, rows);
         }
         // The map gets a fifth of all values, the sections at the front at least half of the rest.
-        let map = Map::of(&columns, &paths, (shown.numbers / 50).clamp(40, 1500));
+        let instants = (shown.numbers / 50).clamp(40, 1500);
+        let map = Map::of(&columns, &paths, &shown.units, instants);
         let of_all = shown.numbers * 4 / 5;
         let in_front = if behind.is_empty() { of_all } else { of_all / 2 };
+        let count = first.len();
+        let mut lists = 0;
+        first.retain(|plot| {
+            lists += plot.lists();
+            lists * LEAST <= in_front
+        });
+        if first.len() < count {
+            let left = count - first.len();
+            notes.push(format!("{left} plots do not fit on this page: name others with --plot"));
+        }
         let thin = |plots: Vec<Whole>, numbers: usize| -> Vec<Plot> {
             let lists: usize = plots.iter().map(Whole::lists).sum();
             let share = |plot: &Whole| numbers * plot.lists() / lists;
@@ -147,7 +161,7 @@ impl Trace {
     }
 }
 
-/// The requested plots; variables with a different unit get a separate one.
+/// The requested plots; variables with a different unit, or an unknown one, get a separate one.
 fn chosen(recording: &Recording, columns: &Columns<'_>, shown: &Shown<'_>) -> Result<Vec<Whole>> {
     let mut plots: Vec<Whole> = Vec::new();
     for plot in shown.plots {
@@ -158,14 +172,14 @@ fn chosen(recording: &Recording, columns: &Columns<'_>, shown: &Shown<'_>) -> Re
                 recording.column(name)?;
                 continue;
             };
-            let unit = shown.units.unit(name).unwrap_or_default();
+            let axis = |name: &str| shown.units.axis(name);
             let line = (name.clone(), Role::Signal, values);
-            match plots[first..].iter_mut().find(|whole| whole.unit == unit) {
+            match plots[first..].iter_mut().find(|whole| axis(&whole.lines[0].0) == axis(name)) {
                 Some(whole) => whole.lines.push(line),
                 None => plots.push(Whole {
                     section: "Selected".into(),
                     title: plot.title.clone(),
-                    unit: unit.into(),
+                    unit: shown.units.unit(name).unwrap_or_default().into(),
                     lines: vec![line],
                     ..Whole::default()
                 }),
@@ -202,20 +216,21 @@ fn depth(columns: &Columns<'_>, paths: &Paths, units: &Units) -> Option<Whole> {
 
 fn planes(recording: &Recording, shown: &Shown<'_>) -> Result<Vec<Plane>> {
     let named = |name: &str| shown.units.labelled(name);
-    let plane = |plot: &XyPlot| {
+    let plane = |(plot, pairs): (&XyPlot, Vec<&(String, String)>)| {
         let curve = |(x, y): &(String, String)| {
             let (x_values, y_values) = (recording.column(x)?, recording.column(y)?);
             let places = thin::even(x_values.len(), 2000);
             let pick = |of: &[f64]| super::numbers::Numbers::values(places.iter().map(|&p| of[p]));
             Ok(Curve { name: format!("{x}, {y}"), x: pick(x_values), y: pick(y_values) })
         };
-        let (x, y) = plot.pairs.first().map_or(("", ""), |(x, y)| (x.as_str(), y.as_str()));
+        let (x, y) = pairs[0];
         Ok(Plane {
             title: plot.title.clone(),
             x: named(x),
             y: named(y),
-            lines: plot.pairs.iter().map(curve).collect::<Result<_>>()?,
+            lines: pairs.into_iter().map(curve).collect::<Result<_>>()?,
         })
     };
-    shown.paths.iter().map(plane).collect()
+    let by_unit = |plot| XyPlot::by_unit(plot, &shown.units).into_iter().map(move |of| (plot, of));
+    shown.paths.iter().flat_map(by_unit).map(plane).collect()
 }

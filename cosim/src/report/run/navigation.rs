@@ -1,6 +1,6 @@
 //! Plots of the quality of estimates: errors, innovations, consistency.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 use super::columns::Columns;
 use super::plots::{Limits, Role, Whole};
@@ -42,21 +42,26 @@ pub(super) fn errors(columns: &Columns<'_>, paths: &Paths, units: &Units) -> Vec
                 (format!("{own}.{group}.{leaf}"), format!("{true_one}.{group}.{leaf}"));
             Some((value, real, Some((*name).to_owned()), false))
         });
-        for (name, real, sigma, turns) in poses.chain(others) {
-            let (Some(value), Some(real)) = (columns.get(&name), columns.get(&real)) else {
+        for (name, real_name, sigma, turns) in poses.chain(others) {
+            let (Some(value), Some(real)) = (columns.get(&name), columns.get(&real_name)) else {
                 continue;
             };
+            // Angles may be in degrees, each in its own unit.
+            let in_units_of_value = |other: &str| units.radians(other) / units.radians(&name);
+            let (half, factor) = (PI / units.radians(&name), in_units_of_value(&real_name));
             let error = value.iter().zip(&real).map(|(value, real)| {
-                let error = value - real;
-                if turns { (error + PI).rem_euclid(TAU) - PI } else { error }
+                let error = value - real * factor;
+                if turns { (error + half).rem_euclid(2.0 * half) - half } else { error }
             });
-            let band = sigma.and_then(|sigma| columns.get(&sigma));
+            let band = sigma.and_then(|sigma| {
+                Some(times(columns.get(&sigma)?, 3.0 * in_units_of_value(&sigma)))
+            });
             plots.push(Whole {
                 section: "Errors".into(),
                 title: format!("{name}: error"),
                 unit: units.unit(&name).unwrap_or_default().into(),
                 lines: vec![("error".into(), Role::Estimate, error.collect())],
-                band: band.map(|sigma| ("± 3 σ".into(), times(sigma, 3.0))),
+                band: band.map(|band| ("± 3 σ".into(), band)),
                 ..Whole::default()
             });
         }

@@ -1,6 +1,6 @@
 // One cell: the distribution of its figures, their dependencies, comparisons, failures.
 import { choice, el, facts, table } from "./dom.js";
-import { address, answerMore, estimate, num, verdictMark, withUnit, worst } from "./format.js";
+import { address, answerMore, measured, num, verdictMark, withUnit, worst } from "./format.js";
 import { boxes, labelled, scatter, shares } from "./distribution.js";
 import { Clock } from "./clock.js";
 import { timePlot } from "./timeplot.js";
@@ -109,11 +109,13 @@ function overTime(cell) {
   }, new Clock(t[0], t.at(-1)), [])));
 }
 
-/** A line for each run that matters: those that are shown in full, then the greatest. */
+/** A line for each run that matters: those that are shown in full, then the worst. */
 function runs(campaign, cell, figure) {
   const { sample } = cell;
   const why = new Map(cell.shown.map((shown) => [shown.run, shown]));
-  const order = sample.run.map((run, i) => i).sort((a, b) => (sample.figures[figure][b] ?? Infinity) - (sample.figures[figure][a] ?? Infinity));
+  const { name: by, small_is_bad: small } = campaign.figures[figure] ?? {};
+  const badness = (i) => (sample.figures[figure]?.[i] ?? (small ? -Infinity : Infinity)) * (small ? -1 : 1);
+  const order = sample.run.map((run, i) => i).sort((a, b) => badness(b) - badness(a) || 0);
   const places = [...cell.shown.map((shown) => sample.run.indexOf(shown.run)).filter((i) => i >= 0), ...order.slice(0, 12)];
   const row = (i) => {
     const run = sample.run[i];
@@ -122,7 +124,10 @@ function runs(campaign, cell, figure) {
     return [el("a", { href: address(cell.name, run) }, `run ${run}`), ...sample.figures.map((values) => num(values[i])), shownText];
   };
   const head = ["run", ...campaign.figures.map(({ name, unit }) => withUnit(name, unit && unit !== "1" ? `(${unit})` : "")), "on this page"];
-  return table("Runs: those shown whole, and the greatest", head, [...new Set(places)].map(row), [0, head.length - 1]);
+  // The points have the worst runs by the main figure only.
+  const all = figure === campaign.main || sample.run.length === cell.runs - cell.failed;
+  const caption = by == null ? "Runs" : `Runs: those shown whole, and the worst ${all ? "" : "of the points "}by ${by}`;
+  return table(caption, head, [...new Set(places)].map(row), [0, head.length - 1]);
 }
 
 function failures(campaign, cell) {
@@ -140,17 +145,16 @@ export function cellView(report, cell) {
   const place = el("div");
   const refill = () => {
     const figure = chosen.figure;
-    const parts = campaign.figures.length === 0 ? [] : [
+    const parts = campaign.figures.length > 0 && [
       el("h2", {}, "Distribution"), spread(campaign, cell, figure),
       siblings(campaign, cell).length > 1 && [el("h2", {}, "Paired comparison"), cell.compared.length > 0 && comparisons(cell.compared, campaign.figures, "Differences, run by run"), paired(campaign, cell, figure)],
-      campaign.inputs.length > 0 && [el("h2", {}, "Sensitivity"), sensitivity(campaign, cell, figure) ?? el("p", { class: "soft" }, "No parameter differs between the runs of this cell, or there is no room for points."), alongFactors(campaign, cell, figure)],
-      el("h2", {}, "Runs"), runs(campaign, cell, figure)];
-    place.replaceChildren(...parts.flat().filter(Boolean));
+      campaign.inputs.length > 0 && [el("h2", {}, "Sensitivity"), sensitivity(campaign, cell, figure) ?? el("p", { class: "soft" }, "No parameter differs between the runs of this cell, or there is no room for points."), alongFactors(campaign, cell, figure)]];
+    place.replaceChildren(...[parts, el("h2", {}, "Runs"), runs(campaign, cell, figure)].flat(2).filter(Boolean));
   };
   refill();
   const figures = cell.figures.map((figure, i) => {
     const { name, what, unit } = campaign.figures[i];
-    return [name, what, String(figure.runs), withUnit(estimate(figure.median), unit), withUnit(estimate(figure.percentile_95), unit), figure.infinite ? String(figure.infinite) : "0"];
+    return [name, what, String(figure.runs), measured(figure.median, figure.runs, unit), measured(figure.percentile_95, figure.runs, unit), figure.infinite ? String(figure.infinite) : "0"];
   });
   return [
     el("h1", {}, cell.name, " "),
@@ -169,6 +173,12 @@ export function cellView(report, cell) {
   ].flat(3).filter(Boolean);
 }
 
+/** Why a run is shown. */
+const WHY = {
+  worst: "This is the worst run of its cell.", median: "This is the median run of its cell.",
+  between: "This run is between the worst and the best of its cell.", chosen: "This run was chosen for this page.",
+};
+
 /** The data of a run of a campaign. */
 export function runFacts(campaign, cell, run) {
   const i = cell.sample.run.indexOf(run);
@@ -179,7 +189,7 @@ export function runFacts(campaign, cell, run) {
     ...campaign.inputs.map(({ name, unit, texts }, p) => [name, texts ? texts[cell.sample.inputs[p][i]] ?? "–" : withUnit(num(cell.sample.inputs[p][i]), unit)])];
   return [
     facts([["Replicate", String(Math.floor(run / (campaign.expected / campaign.seeds)))], ...known]),
-    shown && el("p", { class: "small" }, `This is the ${shown.why} run of its cell${shown.why === "between" ? " (between worst and best)" : ""}. Digest of what its figures are from: `, el("code", {}, shown.digest)),
+    shown && el("p", { class: "small" }, `${WHY[shown.why]} Digest of what its figures are from: `, el("code", {}, shown.digest)),
     shown?.problem && el("p", { class: "notes" }, `It cannot be shown whole: ${shown.problem}`),
     failure && el("p", { class: "notes" }, `It ${failure.status}: ${failure.reason}`),
     el("p", {}, "The command that makes it again, with every variable:"), replayCommand(campaign, run),

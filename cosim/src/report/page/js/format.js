@@ -16,10 +16,16 @@ export function withUnit(text, unit) {
   return unit && unit !== "1" ? `${text} ${unit}` : text;
 }
 
-/** An estimate with its interval; unknown ends are infinite. */
-export function estimate({ value, interval }) {
+/** An estimate from this many runs, with its interval; `unknown` is what a run without a value counts as. */
+export function estimate({ value, interval }, runs, unknown = "∞") {
+  if (runs === 0) return "–";
   const end = (bound, otherwise) => (bound == null ? otherwise : num(bound));
-  return `${value == null ? "∞" : num(value)} [${end(interval[0], "−∞")}, ${end(interval[1], "∞")}]`;
+  return `${value == null ? unknown : num(value)} [${end(interval[0], "−∞")}, ${end(interval[1], "∞")}]`;
+}
+
+/** An estimate with its unit. */
+export function measured(of, runs, unit) {
+  return runs === 0 ? "–" : withUnit(estimate(of, runs), unit);
 }
 
 const WORDS = { pass: ["✔", "pass"], fail: ["✘", "fail"], undecided: ["?", "undecided"], none: ["–", "no threshold"] };

@@ -1,13 +1,20 @@
 // Overview of the campaign: the question, the verdict, the matrix.
 import { choice, details, el, facts, table } from "./dom.js";
-import { address, answerMore, estimate, num, verdictMark, withUnit, worst } from "./format.js";
+import { address, answerMore, estimate, measured, num, verdictMark, withUnit, worst } from "./format.js";
 import { quantile } from "./distribution.js";
+import { contentsOf, sectionsOf } from "./sections.js";
 import { colour, onTheme } from "./theme.js";
+
+/** A value that is not a finite number is the worst; it has no colour. */
+function worstRun(cell, figure, { small_is_bad: small }) {
+  const own = cell.figures[figure];
+  return !own || own.infinite > 0 ? null : quantile(own.quantiles, small ? 0 : 1);
+}
 
 const STATISTICS = [
   ["median", (cell, figure) => cell.figures[figure]?.median.value],
   ["95th percentile", (cell, figure) => cell.figures[figure]?.percentile_95.value],
-  ["worst run", (cell, figure) => quantile(cell.figures[figure]?.quantiles ?? [], 1)],
+  ["worst run", worstRun],
   ["failed runs (%)", (cell) => (cell.runs ? (100 * cell.failed) / cell.runs : null)],
 ];
 
@@ -37,7 +44,7 @@ function mix(part) {
 function matrix(campaign) {
   const { cells, figures } = campaign;
   const figure = figures[chosen.figure];
-  const value = (cell) => STATISTICS[chosen.statistic][1](cell, chosen.figure);
+  const value = (cell) => STATISTICS[chosen.statistic][1](cell, chosen.figure, figure ?? {});
   const unit = chosen.statistic === 3 ? "%" : figure?.unit ?? "";
   const known = cells.map(value).filter((v) => v != null);
   const [low, high] = [Math.min(...known), Math.max(...known)];
@@ -82,7 +89,7 @@ function matrix(campaign) {
 
 export function thresholds(verdicts, withCell) {
   const row = (verdict) => {
-    const cells = [verdictMark(verdict.answer), verdict.figure, verdict.threshold, `${verdict.kept} of ${verdict.runs}`, estimate(verdict.quantile), answerMore(verdict.answer)];
+    const cells = [verdictMark(verdict.answer), verdict.figure, verdict.threshold, `${verdict.kept} of ${verdict.runs}`, estimate(verdict.quantile, verdict.runs, verdict.threshold.includes(" at least ") ? "−∞" : "∞"), answerMore(verdict.answer)];
     return withCell ? [el("a", { href: address(verdict.cell) }, verdict.cell), ...cells] : cells;
   };
   const head = ["verdict", "figure", "threshold", "runs that meet it", "quantile [interval]", "what would decide"];
@@ -97,7 +104,7 @@ export function comparisons(compared, figures, title) {
   const row = ({ cell, with: other, figure, pairs, difference }) => {
     const [low, high] = difference.interval;
     const word = low > 0 ? "greater" : high != null && high < 0 ? "smaller" : "not distinguishable";
-    return [el("a", { href: address(other) }, other), el("a", { href: address(cell) }, cell), figure, String(pairs), withUnit(estimate(difference), unit(figure)), low == null || high == null ? "too few runs" : word];
+    return [el("a", { href: address(other) }, other), el("a", { href: address(cell) }, cell), figure, String(pairs), measured(difference, pairs, unit(figure)), low == null || high == null ? "too few runs" : word];
   };
   return table(title, ["cell", "minus", "figure", "pairs", "median difference [95 %]", "it is"], compared.slice(0, 500).map(row), [0, 1, 2, 5]);
 }
@@ -132,15 +139,16 @@ export function overview(report) {
     el("h1", {}, report.title),
     report.question && el("p", { class: "question" }, report.question),
     banner(campaign),
+    report.summary.map((text) => el("p", { class: "summary" }, text)),
     facts([["Runs", `${campaign.runs} of ${campaign.expected}`], ["Failed runs", String(campaign.failed)], ["Cells", String(campaign.cells.length)],
       ["Runs of each cell", String(campaign.seeds)]]),
-    controls, place, notes(report),
+    controls, place, notes(report), contentsOf(report.sections), sectionsOf(report.sections),
     verdicts.length > 0 && [el("h2", {}, "Verdicts"), thresholds(verdicts, true)],
     compared.length > 0 && [el("h2", {}, "Paired comparison"), comparisons(compared, campaign.figures, "Differences, run by run")],
     failures.length > 0 && [el("h2", {}, "Failed runs"), table("Failures by their reason", ["cell", "status", "runs", "reason"],
       failures.slice(0, 200).map(({ cell, status, count, reason }) => [el("a", { href: address(cell.name) }, cell.name), status, String(count), reason]), [0, 1, 3])],
     details("Figures of all cells", () => table("Figures", ["cell", "figure", "runs", "median [95 %]", "95th percentile [95 %]"],
       campaign.cells.slice(0, 1000).flatMap((cell) => cell.figures.map((figure, i) => [el("a", { href: address(cell.name) }, cell.name), campaign.figures[i].name,
-        String(figure.runs), withUnit(estimate(figure.median), campaign.figures[i].unit), withUnit(estimate(figure.percentile_95), campaign.figures[i].unit)])), [0, 1])),
-  ].flat().filter(Boolean);
+        String(figure.runs), measured(figure.median, figure.runs, campaign.figures[i].unit), measured(figure.percentile_95, figure.runs, campaign.figures[i].unit)])), [0, 1])),
+  ].flat(2).filter(Boolean);
 }

@@ -82,7 +82,7 @@ function drawPath(ctx, at, ratio, paths, path, now, t) {
 /** The positions of the vehicle and its estimates, as arrows on the map. */
 function markers(plane, map, clock) {
   const moving = map.paths.filter((path) => path.role !== "fix");
-  const arrows = moving.map((path) => el("div", { class: path.yaw ? "vehicle" : "vehicle round" }));
+  const arrows = moving.map(() => el("div", { class: "vehicle" }));
   const place = () => {
     if (!plane.u || plane.u.scales.x.min == null) return;
     moving.forEach((path, i) => {
@@ -91,9 +91,11 @@ function markers(plane, map, clock) {
       const [north, east] = [path.x, path.y].map((values) => valueAt(map.t, values, clock.now));
       arrow.hidden = path.hidden || north == null || east == null;
       if (arrow.hidden) return;
-      const yaw = path.yaw ? path.yaw[placeAt(map.t, clock.now)] ?? 0 : 0;
+      const yaw = path.yaw?.[placeAt(map.t, clock.now)];
+      // Without a heading it points nowhere.
+      arrow.classList.toggle("round", yaw == null);
       arrow.style.color = pathColour(map.paths, path);
-      arrow.style.transform = `translate(${plane.u.valToPos(east, "x")}px, ${plane.u.valToPos(north, "y")}px) rotate(${yaw}rad)`;
+      arrow.style.transform = `translate(${plane.u.valToPos(east, "x")}px, ${plane.u.valToPos(north, "y")}px) rotate(${yaw ?? 0}rad)`;
     });
   };
   plane.moved.add(() => queueMicrotask(place));
@@ -119,8 +121,9 @@ function mapOf(map, clock) {
       let [least, time] = [near, null];
       for (const path of moving) {
         path.x.forEach((value, i) => {
+          if (value == null || path.y[i] == null) return;
           const apart = Math.hypot(value - y, path.y[i] - x);
-          if (value != null && apart < least) [least, time] = [apart, map.t[i]];
+          if (apart < least) [least, time] = [apart, map.t[i]];
         });
       }
       if (time != null) clock.set(time);
@@ -166,8 +169,8 @@ function instant(trace, clock) {
     const rows = moving.map((path) => {
       const at = (of) => (of[0] ? valueAt(trace.map.t, of[0], now) : null);
       const [north, east, depth] = [at([path.x]), at([path.y]), at([path.z])];
-      const apart = truth && path !== truth && north != null
-        ? Math.hypot(north - valueAt(trace.map.t, truth.x, now), east - valueAt(trace.map.t, truth.y, now)) : null;
+      const real = truth && path !== truth ? [at([truth.x]), at([truth.y])] : [null, null];
+      const apart = [north, east, ...real].includes(null) ? null : Math.hypot(north - real[0], east - real[1]);
       return el("tr", {}, el("th", { scope: "row", class: "text" }, path.name),
         [north, east, depth, apart].map((value) => el("td", {}, num(value))));
     });
@@ -253,6 +256,11 @@ function planeOf({ title, x, y, lines }) {
   return el("figure", { class: "plot" }, el("figcaption", {}, title), plane.canvas, el("ul", { class: "legend" }, legend), plane.buttons(title));
 }
 
+/** The name of a variable whose component has a section. */
+function fullName(section, name) {
+  return section === "variables" ? name : `${section}.${name}`;
+}
+
 /** All variables: plots by component, filtered by name, and a table. */
 function everything(trace, clock) {
   const components = [...new Set(trace.signals.map((plot) => plot.section))];
@@ -265,7 +273,10 @@ function everything(trace, clock) {
     const shown = wanted.slice(0, 60);
     list.replaceChildren(...shown.map((plot) => timePlot({ ...plot, title: `${plot.section}: ${plot.title}` }, clock, trace.faults)));
     if (wanted.length > shown.length) list.append(el("p", { class: "soft" }, `${wanted.length - shown.length} more plots: search for a longer word.`));
-    if (wanted.length === 0) list.append(el("p", { class: "soft" }, "No variable that changes has this word in its name."));
+    const plotted = new Set(trace.signals.flatMap((plot) => plot.lines.map((line) => fullName(plot.section, line.name))));
+    const hidden = word ? trace.table.filter(({ name }) => name.toLowerCase().includes(word) && !plotted.has(name)).length : 0;
+    if (hidden > 0) list.append(el("p", { class: "soft" }, `Not plotted, because they do not change or because there is no room: ${hidden} with this word. Their numbers are under All variables; cosim report --plot plots them.`));
+    else if (wanted.length === 0) list.append(el("p", { class: "soft" }, "No variable has this word in its name."));
   };
   refill();
   const search = el("input", { type: "search", id: "search", oninput: () => {
