@@ -8,7 +8,7 @@ pub(crate) struct Messages<const KEPT: usize> {
 }
 
 /// The warnings about a system.
-pub(crate) type Warnings = Messages<100>;
+pub(crate) type Warnings = Messages<1000>;
 
 impl<const KEPT: usize> Messages<KEPT> {
     pub(crate) fn push(&mut self, message: String) {

@@ -3,7 +3,6 @@
 
 use std::path::Path;
 use std::process::{Command, Stdio};
-use std::time::{Duration, Instant};
 
 use tempfile::TempDir;
 
@@ -11,9 +10,9 @@ use crate::command::text;
 use crate::models::{Model, pack};
 use crate::rawzip::{End, Entry, archive, archive_with};
 
-/// Address space of the binary in KiB, and time, in seconds also that of the processor.
+/// Address space of the binary in KiB, and processor time in seconds: with more it is killed.
 const MEMORY: u32 = 3 << 20;
-const TIME: Duration = Duration::from_secs(60);
+const TIME: u32 = 60;
 
 /// A folder with the file to open and its own temporary folder.
 pub(crate) struct Workspace {
@@ -48,8 +47,7 @@ impl Workspace {
         let inside = self.folder.path().join("a/b");
         std::fs::write(inside.join(name), bytes).unwrap();
         let before = self.files();
-        let begun = Instant::now();
-        let limit = format!("ulimit -v {memory}; ulimit -t {}; exec \"$@\"", TIME.as_secs());
+        let limit = format!("ulimit -v {memory}; ulimit -t {TIME}; exec \"$@\"");
         let output = Command::new("sh")
             .args(["-c", &limit, "sh", env!("CARGO_BIN_EXE_cosim")])
             .args(verb.split(' '))
@@ -60,7 +58,6 @@ impl Workspace {
             .stdin(Stdio::null())
             .output()
             .unwrap();
-        assert!(begun.elapsed() < TIME, "{name} took {:?}", begun.elapsed());
         assert_eq!(self.files(), before, "{name}");
         let code = output.status.code();
         let shown = text(&output.stderr);
