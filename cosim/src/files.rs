@@ -63,7 +63,8 @@ pub fn begin(target: &Path, file: &File) -> Result<()> {
     // Devices and pipes have no length.
     let plain = file.metadata().is_ok_and(|metadata| metadata.is_file());
     let emptied = if plain && given(target).is_none() { file.set_len(0) } else { Ok(()) };
-    emptied.map_err(|why| Error::new(Code::Output, "the file cannot be emptied").at(target).why(why))
+    emptied
+        .map_err(|why| Error::new(Code::Output, "the file cannot be emptied").at(target).why(why))
 }
 
 /// Refuses a name if there is a file of another kind; `more` is an additional kind to refuse.

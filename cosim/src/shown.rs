@@ -97,7 +97,8 @@ pub fn relay(
     visibly: bool,
 ) -> std::thread::JoinHandle<()> {
     std::thread::spawn(move || {
-        let mut to: Box<dyn Write> = if visibly { Box::new(Terminal::new(to)) } else { Box::new(to) };
+        let mut to: Box<dyn Write> =
+            if visibly { Box::new(Terminal::new(to)) } else { Box::new(to) };
         let mut piece = [0; 4096];
         while let Ok(count @ 1..) = from.read(&mut piece) {
             // If the output is closed, there is no channel left to report it; the child must not

@@ -168,7 +168,7 @@ impl Campaign {
             let file = path(list);
             let text = match list_text {
                 Some(text) => Ok(text.to_owned()),
-                None => std::fs::read_to_string(&file).map_err(|e| {
+                None => crate::files::read_input_text(&file).map_err(|e| {
                     Error::new(Code::File, "the list cannot be read").at(&file).why(e)
                 }),
             };

@@ -26,8 +26,8 @@ use landlock::{
 };
 
 use crate::error::{Code, Error, Result};
-pub use apart::{Apart, Supervised, close_inherited, kill_descendants, reap_descendants};
 pub(crate) use apart::kill_orphans;
+pub use apart::{Apart, Supervised, close_inherited, kill_descendants, reap_descendants};
 use calls::Programs;
 
 /// The first version of Landlock that supports networks.

@@ -266,7 +266,6 @@ impl Process {
             }
         }
     }
-
 }
 
 impl Before {
@@ -275,7 +274,8 @@ impl Before {
         // SAFETY: the values were read by the same functions in this process; the locale of a
         // thread is set by the calling thread itself.
         unsafe {
-            if (1..65).any(|s| libc::sigismember(&before.mask, s) != libc::sigismember(&now.mask, s))
+            if (1..65)
+                .any(|s| libc::sigismember(&before.mask, s) != libc::sigismember(&now.mask, s))
             {
                 libc::pthread_sigmask(libc::SIG_SETMASK, &before.mask, std::ptr::null_mut());
                 report(log, Kind::Mask, function);

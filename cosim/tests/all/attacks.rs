@@ -444,7 +444,8 @@ fn a_group_that_dies_while_it_begins_is_noticed() {
     let fmu = Model::Gain.fmu();
     std::fs::write(&system, one_component(fmu.to_str().unwrap())).unwrap();
     let environment = [("LD_PRELOAD", library.to_str().unwrap())];
-    let (code, shown) = on_worker(folder.path(), &system, &["--allow-upload", "--no-confine"], &environment);
+    let (code, shown) =
+        on_worker(folder.path(), &system, &["--allow-upload", "--no-confine"], &environment);
     assert_eq!(code, 1, "{shown}");
     assert!(shown.contains("ended before it was ready"), "{shown}");
     assert!(shown.contains("ended with code 7"), "{shown}");

@@ -182,8 +182,7 @@ fn what_is_replaced_as_a_whole_survives_a_cut_at_every_write() {
     let fmu = fmu.to_str().unwrap();
     let system = Ssd::new().add("i", Model::Integrator).stop(1.0);
     std::fs::copy(system.write(), real.join("s.ssd")).unwrap();
-    let campaign =
-        "seeds = 2\n[systems]\na = 's.ssd'\n[figures.f]\nkind = 'max'\nof = 'i.y'\n";
+    let campaign = "seeds = 2\n[systems]\na = 's.ssd'\n[figures.f]\nkind = 'max'\nof = 'i.y'\n";
     std::fs::write(real.join("c.toml"), campaign).unwrap();
     let saving = ["--snapshot-file", "s.snapshot", "--snapshot-at", "0.5"];
     let commands = [

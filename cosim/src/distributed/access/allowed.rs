@@ -42,7 +42,8 @@ impl Allowed {
                 continue;
             }
             for file in files(Path::new(item))? {
-                let bytes = crate::files::read_input(&file).map_err(|why| unreadable(&file).why(why))?;
+                let bytes =
+                    crate::files::read_input(&file).map_err(|why| unreadable(&file).why(why))?;
                 if let Some(key) = key {
                     signature::verify_bytes(&bytes, &file, key)?;
                 }
