@@ -82,7 +82,7 @@ fn blueprint(
 ) -> Result<Blueprint> {
     let source = match &component.model {
         Model::Fmu(fmu) => {
-            let path = fmu.path();
+            let path = component.file.as_deref().unwrap_or(fmu.path());
             let known = files.iter().find(|(_, known)| *known == path);
             let sha256 = match known {
                 Some((hash, _)) => hash.clone(),

@@ -115,6 +115,7 @@ impl Setup {
             let component = Component {
                 name: blueprint.name,
                 model,
+                file: None,
                 interface: match blueprint.model_exchange {
                     true => InterfaceType::ModelExchange,
                     false => InterfaceType::CoSimulation,

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use ::parquet::column::reader::ColumnReader;
 use ::parquet::data_type::ByteArray;
 use ::parquet::errors::{ParquetError, Result as Written};
+use ::parquet::file::metadata::ColumnChunkMetaData;
 use ::parquet::file::reader::{FileReader, SerializedFileReader};
 
 use super::csv::{Form, UNWRITTEN};
@@ -113,7 +114,7 @@ impl Observer for ParquetRecorder {
 
 /// Bytes of numbers that are read at most, for each byte of the file and in addition to that: a page
 /// of a few bytes can stand for 2^31 equal values.
-const PER_BYTE: u64 = 128;
+const PER_BYTE: u64 = 1024;
 const ANYWAY: u64 = 16 << 20;
 
 /// Reads results, also of other programs, if their first column is `time` and all columns are flat
@@ -134,7 +135,16 @@ pub(super) fn read(path: &Path) -> Result<Recording> {
     if let Some(nested) = all.iter().find(|column| column.max_rep_level() > 0) {
         return Err(unread(format!("column '{}' holds lists", nested.name())));
     }
-    let rows = reader.metadata().row_groups().iter().map(|group| group.num_rows().max(0) as u64);
+    // The library ends the process where it expects these to be positive.
+    let groups = reader.metadata().row_groups();
+    let is_placed = |column: &ColumnChunkMetaData| {
+        let dictionary = column.dictionary_page_offset().unwrap_or(0);
+        [column.data_page_offset(), column.compressed_size(), dictionary].iter().all(|n| *n >= 0)
+    };
+    if !groups.iter().flat_map(|group| group.columns()).all(is_placed) {
+        return Err(unread("a column has a negative place or length".to_owned()));
+    }
+    let rows = groups.iter().map(|group| group.num_rows().max(0) as u64);
     let rows = rows.fold(0, u64::saturating_add);
     let bytes = rows.saturating_mul(8 * all.len() as u64);
     if bytes > size.saturating_mul(PER_BYTE).saturating_add(ANYWAY) {

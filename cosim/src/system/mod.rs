@@ -20,7 +20,7 @@ mod single;
 mod write;
 
 use std::collections::HashSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::error::{Code, Error, Problems, Result};
@@ -85,6 +85,8 @@ pub struct Component {
     pub name: String,
     /// What computes it.
     pub model: Model,
+    /// The file of its FMU in this system; equal FMUs are shared, whatever their files are called.
+    pub file: Option<PathBuf>,
     /// How its FMU is driven.
     pub interface: InterfaceType,
     /// Communication step.
@@ -243,7 +245,7 @@ impl System {
     /// to read.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         let description = self.raw.iter().map(|raw| raw.file.as_path());
-        let fmus = self.components.iter().filter_map(|c| Some(c.fmu()?.path()));
+        let fmus = self.components.iter().filter_map(|c| c.file.as_deref());
         let values = self.components.iter().flat_map(|c| &c.start_values);
         let named = values.filter_map(|(_, value)| match value {
             Value::String(text) => Some(Path::new(text)),

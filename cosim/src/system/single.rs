@@ -18,8 +18,8 @@ const DEFAULT_STEPS: f64 = 500.0;
 impl System {
     /// A system of one FMU, whose variables are named without a prefix. The columns of `inputs`
     /// drive the inputs with the same names.
-    pub fn single(fmu: &Path, overrides: &Overrides, inputs: Option<Table<'_>>) -> Result<Self> {
-        let fmu = Fmu::open(fmu)?;
+    pub fn single(file: &Path, overrides: &Overrides, inputs: Option<Table<'_>>) -> Result<Self> {
+        let fmu = Fmu::open(file)?;
         let interface = fmu.choose(overrides.interface_of(""))?;
         if !overrides.execution_tools {
             check::needs_no_tool(&fmu, interface, &fmu.description().model_name)?;
@@ -41,6 +41,7 @@ impl System {
         let mut components = vec![Component {
             name: description.model_name.clone(),
             model: Model::Fmu(fmu.clone()),
+            file: Some(file.to_owned()),
             interface,
             step,
             start_values,
@@ -53,7 +54,8 @@ impl System {
             let model = Model::Signals(Arc::new(signals));
             let name = "input file".to_owned();
             let start_values = Vec::new();
-            components.push(Component { name, model, interface, step, start_values, worker: None });
+            let (file, worker) = (None, None);
+            components.push(Component { name, model, file, interface, step, start_values, worker });
         }
         // Held: an input keeps the value at the start of the step, as in fmusim and FMPy.
         let algorithm = Algorithm::Jacobi;

@@ -169,9 +169,10 @@ fn the_verb_converts_with_changes_and_says_what_a_format_cannot() {
     assert_eq!(code, 0, "{reported}");
     assert_parts(&reported, &["note: OSP has no gauss-seidel", "written: folder"]);
     assert!(folder.path("folder/GAIN.fmu").is_file());
-    // When written over itself, the FMUs stay.
+    // Nothing is written over itself.
     let (code, reported) = cosim(&["convert", "folder", "folder"], &folder);
-    assert_eq!(code, 0, "{reported}");
+    assert_eq!(code, 1, "{reported}");
+    assert_parts(&reported, &["would replace an input"]);
     assert!(System::load(folder.path("folder"), &Overrides::new()).is_ok());
     let (code, reported) = cosim(&["convert", from, "x.fmu"], &folder);
     assert_eq!(code, 2, "{reported}");

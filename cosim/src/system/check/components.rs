@@ -1,7 +1,7 @@
 //! Components: their names, FMUs and listed connectors.
 
 use std::collections::{HashMap, HashSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::Findings;
@@ -18,6 +18,7 @@ pub(super) struct Opened {
     /// `None` if it could not be opened; the problem is recorded, and whatever depends on it is
     /// skipped.
     pub model: Option<Model>,
+    pub file: Option<PathBuf>,
     pub interface: InterfaceType,
     /// The FMU differs from the one in the file, so its connectors and parameters may differ.
     pub replaced: bool,
@@ -73,7 +74,8 @@ fn open_one(
                 RawModel::Function(function) => Some(Model::Function(function.clone())),
                 _ => None,
             };
-            return Opened { name, model, interface: InterfaceType::CoSimulation, replaced };
+            let (interface, file) = (InterfaceType::CoSimulation, None);
+            return Opened { name, model, file, interface, replaced };
         }
     };
     let wanted = overrides.interface_of(&component.name).or(component.interface);
@@ -98,7 +100,8 @@ fn open_one(
     if let (Some(fmu), false) = (&fmu, overrides.execution_tools) {
         findings.note(needs_no_tool(fmu, interface, &component.name));
     }
-    Opened { name, model: fmu.map(Model::Fmu), interface, replaced }
+    let file = Some(path.to_owned());
+    Opened { name, model: fmu.map(Model::Fmu), file, interface, replaced }
 }
 
 /// Refuses an FMU that only wraps a tool; for Python classes it is known whether the tool is

@@ -80,7 +80,8 @@ pub(super) fn check(
         .filter_map(|(((opened, step), start_values), described)| {
             let (name, interface, model) = (opened.name, opened.interface, opened.model?);
             let worker = described.worker.clone();
-            Some(Component { name, model, interface, step, start_values, worker })
+            let file = opened.file;
+            Some(Component { name, model, file, interface, step, start_values, worker })
         })
         .collect();
     let algorithm = overrides.algorithm.or(raw.master.algorithm).unwrap_or_default();

@@ -118,10 +118,8 @@ impl System {
 
     /// Components that are FMUs, with their files.
     fn fmus(&self) -> impl Iterator<Item = (usize, &Path)> {
-        self.components.iter().enumerate().filter_map(|(position, c)| match &c.model {
-            Model::Fmu(fmu) => Some((position, fmu.path())),
-            _ => None,
-        })
+        let components = self.components.iter().enumerate();
+        components.filter_map(|(position, c)| Some((position, c.file.as_deref()?)))
     }
 }
 

@@ -60,7 +60,15 @@ fn nothing_outlives_a_host_that_is_killed() {
     let made = Made::of(Integrator, &[]);
     let worker = made.worker("left");
     let fmu = made.fmu.to_str().unwrap();
-    let spans = ["--stop-time", "1e6", "--step-size", "0.1", "--output-interval", "1e5"];
+    let spans = [
+        "--execution-tool",
+        "--stop-time",
+        "1e6",
+        "--step-size",
+        "0.1",
+        "--output-interval",
+        "1e5",
+    ];
     let arguments = [&["simulate", fmu, "-o", "out.csv"][..], &spans].concat();
     let host = start(made.folder.path(), &arguments);
     until("nothing computes", || groups(&worker).len() == 1);
