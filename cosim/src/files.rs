@@ -112,6 +112,13 @@ pub fn note_input(file: &Path) {
     }
 }
 
+/// Notes that a file that was read is continued: it may be replaced.
+pub(crate) fn note_continued(file: &Path) {
+    if let (Some(inputs), Some(identity)) = (&mut *inputs(), identity(file)) {
+        inputs.remove(&identity);
+    }
+}
+
 /// Opens an input.
 pub fn open_input(file: &Path) -> io::Result<File> {
     note_input(file);

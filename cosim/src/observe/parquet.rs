@@ -1,6 +1,8 @@
 //! Results as Apache Parquet: the column `time` (s) and one for each variable, as read by DuckDB,
 //! pandas and polars.
 
+mod pages;
+
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -123,8 +125,9 @@ pub(super) fn read(path: &Path) -> Result<Recording> {
     let unread =
         |why: String| Error::new(Code::Results, "the results cannot be read").at(path).why(why);
     let broken = |e: ParquetError| unread(e.to_string());
-    let file = files::open_input(path).map_err(|e| unread(e.to_string()))?;
-    let size = file.metadata().map_err(|e| unread(e.to_string()))?.len();
+    let content = files::read_input(path).map_err(|e| unread(e.to_string()))?;
+    let size = content.len() as u64;
+    let file = std::fs::File::open(path).map_err(|e| unread(e.to_string()))?;
     let reader = SerializedFileReader::new(file).map_err(broken)?;
     let schema = reader.metadata().file_metadata().schema_descr_ptr();
     let all = schema.columns();
@@ -135,19 +138,20 @@ pub(super) fn read(path: &Path) -> Result<Recording> {
     if let Some(nested) = all.iter().find(|column| column.max_rep_level() > 0) {
         return Err(unread(format!("column '{}' holds lists", nested.name())));
     }
-    // The library ends the process where it expects these to be positive.
     let groups = reader.metadata().row_groups();
-    let is_placed = |column: &ColumnChunkMetaData| {
-        let dictionary = column.dictionary_page_offset().unwrap_or(0);
-        [column.data_page_offset(), column.compressed_size(), dictionary].iter().all(|n| *n >= 0)
-    };
-    if !groups.iter().flat_map(|group| group.columns()).all(is_placed) {
-        return Err(unread("a column has a negative place or length".to_owned()));
+    let most = size.saturating_mul(PER_BYTE).saturating_add(ANYWAY);
+    for column in groups.iter().flat_map(|group| group.columns()) {
+        let pages = part(&content, column).ok_or_else(|| unread("a column is not in it".into()))?;
+        let largest = pages::largest(pages).map_err(|e| unread(e.to_string()))?;
+        if largest > most {
+            return Err(unread(format!("{size} bytes claim to hold a page of {largest}")));
+        }
     }
+    drop(content);
     let rows = groups.iter().map(|group| group.num_rows().max(0) as u64);
     let rows = rows.fold(0, u64::saturating_add);
     let bytes = rows.saturating_mul(8 * all.len() as u64);
-    if bytes > size.saturating_mul(PER_BYTE).saturating_add(ANYWAY) {
+    if bytes > most {
         let count = all.len();
         return Err(unread(format!("{size} bytes claim to hold {rows} rows of {count} columns"))
             .help("if they do, write the results as CSV or MCAP"));
@@ -176,6 +180,14 @@ pub(super) fn read(path: &Path) -> Result<Recording> {
     let text = about.and_then(|all| all.iter().find(|entry| entry.key == UNITS)?.value.as_deref());
     let units = recorded::read(text.unwrap_or_default(), names.iter());
     Ok(Recording::from_columns(names, time, columns).with_forms(forms).with_units(units))
+}
+
+/// The pages of a column in a group.
+fn part<'c>(content: &'c [u8], column: &ColumnChunkMetaData) -> Option<&'c [u8]> {
+    let start = column.dictionary_page_offset().unwrap_or_else(|| column.data_page_offset());
+    let start = usize::try_from(start).ok()?;
+    let length = usize::try_from(column.compressed_size()).ok()?;
+    content.get(start..start.checked_add(length)?)
 }
 
 /// The values of a column in a group; NaN if there is none.

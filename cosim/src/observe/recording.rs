@@ -11,6 +11,7 @@ use super::csv_read;
 use super::mcap_read;
 use super::{CsvRecorder, Format, Observer, RunInfo};
 use crate::error::{Code, Error, Result};
+use crate::files;
 use crate::names;
 use crate::signals::Table;
 use crate::system::Column;
@@ -71,10 +72,11 @@ impl Recording {
     pub fn read_unfinished(file: impl AsRef<Path>) -> Result<Self> {
         let file = file.as_ref();
         if Format::of(file) == Format::Csv {
-            csv_read::read_unfinished(file)
-        } else {
-            Self::read(file)
+            return csv_read::read_unfinished(file);
         }
+        let read = Self::read(file);
+        files::note_continued(file);
+        read
     }
 
     /// The types of the columns.

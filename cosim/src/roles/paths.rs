@@ -3,7 +3,8 @@
 //! A path is a group with `x` and `y`, called `pose` or `position`. It has a standard deviation if
 //! its component has `sigma.x` and `sigma.y` (or `pose_sigma.x` ...); then it is an estimate. The
 //! first `pose` without one is the truth; any other `pose` is an estimate if none has a standard
-//! deviation. A `position` without one, of another component, is a fix from a sensor.
+//! deviation. A `position` without one, of another component, is a fix from a sensor. Start values
+//! (`initial.pose`) are no path.
 
 use super::Names;
 use crate::names::did_you_mean;
@@ -98,6 +99,7 @@ impl Paths {
 /// Groups that may be paths, in the order of the recording.
 fn candidates<'a>(names: &Names<'a>) -> Vec<&'a str> {
     let prefixes = names.ordered.iter().filter_map(|name| name.strip_suffix(".x"));
+    let prefixes = prefixes.filter(|path| !path.split('.').any(|part| part == "initial"));
     let called = |path: &&str| {
         let last = path.rsplit('.').next().unwrap_or(path);
         last == "pose" || last == "position"
@@ -121,5 +123,25 @@ fn with_companions(names: &Names<'_>, path: &str) -> Estimate {
         path: path.to_owned(),
         sigma: find(sigma, &["x", "y"]),
         covariance: find(covariance, &["x_y"]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn start_values_of_a_path_are_no_path() {
+        let groups =
+            ["vehicle.pose", "ekf.initial.pose", "ekf.initial.sigma", "ekf.pose", "ekf.sigma"];
+        let names: Vec<String> = groups
+            .iter()
+            .flat_map(|group| ["x", "y"].map(|axis| format!("{group}.{axis}")))
+            .collect();
+        let names = Names::new(names.iter().map(String::as_str));
+        let paths = Paths::find(&names, &Choice::default()).unwrap();
+        assert_eq!(paths.truth.as_deref(), Some("vehicle.pose"));
+        let estimates: Vec<&str> = paths.estimates.iter().map(|e| e.path.as_str()).collect();
+        assert_eq!(estimates, ["ekf.pose"]);
     }
 }

@@ -75,22 +75,26 @@ class Integrated(Stepped):
             raise AssertionError("its events do not end")
         self.next = next_time if next_defined else np.inf
         self.fmu.enterContinuousTimeMode()
-        self.fmu.getContinuousStates(self.pointer(self.x), self.x.size)
+        if self.x.size:
+            self.fmu.getContinuousStates(self.pointer(self.x), self.x.size)
         self.z = self.indicators()
 
     def indicators(self):
         z = np.zeros(self.described.numberOfEventIndicators)
-        self.fmu.getEventIndicators(self.pointer(z), z.size)
+        if z.size:
+            self.fmu.getEventIndicators(self.pointer(z), z.size)
         return z
 
     def place(self, time, x):
         self.fmu.setTime(time)
-        self.fmu.setContinuousStates(self.pointer(x), x.size)
+        if x.size:
+            self.fmu.setContinuousStates(self.pointer(x), x.size)
 
     def rate(self, time, x):
         self.place(time, x)
         rate = np.zeros(x.size)
-        self.fmu.getDerivatives(self.pointer(rate), rate.size)
+        if x.size:
+            self.fmu.getDerivatives(self.pointer(rate), rate.size)
         return rate
 
     def attempt(self, time, step):
