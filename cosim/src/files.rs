@@ -567,4 +567,21 @@ mod tests {
             assert_eq!(refused.is_ok(), allowed, "{name}");
         }
     }
+
+    #[test]
+    fn of_foreign_files_only_plain_and_small_ones_are_read() {
+        let folder = TempDir::new().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        fs::write(path("plain"), "text").unwrap();
+        std::os::unix::fs::symlink(path("plain"), path("link")).unwrap();
+        let pipe = CString::new(path("pipe").as_os_str().as_bytes()).unwrap();
+        // SAFETY: the name is a C string that lives until the call returns.
+        assert_eq!(unsafe { libc::mkfifo(pipe.as_ptr(), 0o600) }, 0);
+        assert_eq!(read_foreign(&path("plain"), 4).unwrap(), Some(b"text".to_vec()));
+        assert!(read_foreign(&path("plain"), 3).is_err());
+        assert!(read_foreign(&path("missing"), 4).is_err());
+        for other in ["link", "pipe", "."] {
+            assert_eq!(read_foreign(&path(other), 4).unwrap(), None, "{other}");
+        }
+    }
 }

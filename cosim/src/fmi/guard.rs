@@ -226,7 +226,7 @@ const DUPLICATES: RawFd = 64;
 impl Before {
     fn now() -> Self {
         let streams = [0, 1, 2].map(|stream| {
-            // SAFETY: the descriptor that is made belongs to nobody else.
+            // SAFETY: the new descriptor has no other owner.
             unsafe {
                 let made = libc::fcntl(stream, libc::F_DUPFD_CLOEXEC, DUPLICATES);
                 (made >= 0).then(|| OwnedFd::from_raw_fd(made))

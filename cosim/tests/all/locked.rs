@@ -432,7 +432,7 @@ fn every_cell_of_the_table_of_rights_is_as_it_says() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// Whoever answers a worker that asks for its rights could lock it out.
+/// A forged answer about its rights would make a worker give up.
 #[test]
 fn an_observer_cannot_answer_for_the_rights() {
     let folder = keys();
@@ -465,7 +465,7 @@ fn an_observer_cannot_answer_for_the_rights() {
     let _forger = answering(&observer);
     let got = answers();
     assert!(!got.is_empty() && !got.contains(&b"forged".to_vec()), "{got:?}");
-    // Whoever may answer is heard.
+    // The answer of a member with the right to answer arrives.
     let orchestrator = of("orchestrator");
     let _other = answering(&orchestrator);
     assert!(answers().contains(&b"forged".to_vec()));
