@@ -44,6 +44,6 @@ pub(crate) fn run() -> Result<()> {
 fn pytest(arguments: &[&str]) -> Result<()> {
     let mut command = Command::new(python::TESTS.interpreter()?);
     process::run(
-        command.args(["-m", "pytest", "-q", "-rs"]).args(arguments).current_dir(paths::root()),
+        command.args(["-m", "pytest", "-q", "-rfEs"]).args(arguments).current_dir(paths::root()),
     )
 }
