@@ -5,8 +5,8 @@
 //! operations on values (passing on, comparing, storing, recording) need no second code path, and
 //! those for Reals stay unchanged. Other types that do not fit into an `f64` could be added here.
 //!
-//! Positions are never freed, because results contain them: a String that changes in each step
-//! takes memory for each of its values.
+//! Results contain such numbers, so a String that changes in each step takes memory for each of its
+//! values until the run's [`Scope`] ends.
 
 use std::collections::HashMap;
 use std::sync::{Arc, LazyLock, Mutex, MutexGuard, PoisonError};
@@ -15,6 +15,9 @@ use std::sync::{Arc, LazyLock, Mutex, MutexGuard, PoisonError};
 struct Table {
     texts: Vec<Arc<str>>,
     places: HashMap<Arc<str>, usize>,
+    /// How many scopes exist, and how many Strings there were when the first of them began.
+    scopes: usize,
+    before: usize,
 }
 
 impl Table {
@@ -26,6 +29,40 @@ impl Table {
         self.texts.push(text.clone());
         self.places.insert(text, place);
         place
+    }
+
+    fn begin(&mut self) {
+        if self.scopes == 0 {
+            self.before = self.texts.len();
+        }
+        self.scopes += 1;
+    }
+
+    fn end(&mut self) {
+        self.scopes -= 1;
+        if self.scopes == 0 {
+            self.texts.truncate(self.before);
+            self.places.retain(|_, place| *place < self.before);
+        }
+    }
+}
+
+/// When the last scope ends, the Strings that are new since the first one began are forgotten, and
+/// their numbers become invalid. So a process that makes many runs needs no more memory than for one.
+#[must_use]
+pub struct Scope(());
+
+impl Scope {
+    /// Begins a scope.
+    pub fn begin() -> Self {
+        table().begin();
+        Self(())
+    }
+}
+
+impl Drop for Scope {
+    fn drop(&mut self) {
+        table().end();
     }
 }
 
@@ -62,5 +99,19 @@ mod tests {
         let (a, b) = (number("on"), number("off"));
         assert!(a != b && a == number("on"));
         assert_eq!((&*text(a), &*text(b), &*text(1e9), &*text(f64::NAN)), ("on", "off", "", ""));
+    }
+
+    #[test]
+    fn strings_of_a_scope_are_forgotten_with_the_last_one() {
+        let mut table = Table::default();
+        let kept = table.place("known before");
+        table.begin();
+        let new = table.place("known in a scope");
+        table.begin();
+        table.end();
+        assert_eq!(table.place("known in a scope"), new);
+        table.end();
+        assert_eq!(table.texts.len(), 1);
+        assert_eq!((table.place("other"), table.place("known before")), (new, kept));
     }
 }

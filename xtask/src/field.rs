@@ -53,8 +53,10 @@ pub(crate) fn run(options: &Options) -> Result<()> {
 fn find(folder: &Path, files: &mut Vec<PathBuf>) -> Result<()> {
     for entry in folder.read_dir().with_context(|| folder.display().to_string())? {
         let path = entry?.path();
-        let is_system = path.extension().is_some_and(|e| e == "ssd" || e == "ssp")
-            || path.ends_with("OspSystemStructure.xml");
+        let ends = |ending: &str| path.extension().is_some_and(|e| e == ending);
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let is_osp = ends("xml") && name.starts_with("OspSystemStructure");
+        let is_system = ends("ssd") || ends("ssp") || is_osp;
         if path.is_dir() {
             find(&path, files)?;
         } else if is_system {

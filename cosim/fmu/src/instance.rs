@@ -5,11 +5,12 @@ use std::path::Path;
 use cosim::fmi::calls::Values;
 use cosim::fmi::{Category, Message, Value};
 use cosim::hosted::{Basic, Hosted, Kept};
+use cosim::texts::Scope;
 use cosim::{Code, Error, Result, Time, time};
 use cosim_served::{Experiment, Inside};
 
-/// A hosted system with no other references to it.
-pub struct System(Hosted);
+/// A hosted system with no other references to it, and the lifetime of its Strings.
+pub struct System(Hosted, Scope);
 
 // SAFETY: shared data inside (patches in `Rc`, handles of FMUs) are shared only among parts of this
 // value, which move between threads together; FMI requires importers to call an instance from one
@@ -19,7 +20,8 @@ unsafe impl Send for System {}
 
 impl System {
     pub(crate) fn open(folder: &Path, debug: bool) -> Result<Self> {
-        Hosted::open(folder, debug).map(Self)
+        let texts = Scope::begin();
+        Ok(Self(Hosted::open(folder, debug)?, texts))
     }
 
     fn numbers<T>(

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use cosim::campaign::{Bench, Campaign, fingerprint};
+use cosim::texts::Scope;
 use cosim::{Code, Error, Result};
 
 use crate::cli::{interrupt, standard};
@@ -39,6 +40,7 @@ impl CampaignWorker {
             let run = line.trim().parse().map_err(|e| {
                 Error::new(Code::Usage, format!("'{line}' is not the number of a run")).why(e)
             })?;
+            let _texts = Scope::begin();
             let mut row = serde_json::to_vec(&bench.run(run)).unwrap_or_default();
             row.push(b'\n');
             rows.write_all(&row).map_err(broken)?;
