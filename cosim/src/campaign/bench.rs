@@ -205,7 +205,7 @@ impl Bench {
     }
 
     /// The values of the varied parameters of a run.
-    fn inputs(&self, run: u64) -> Vec<String> {
+    fn inputs(&self, run: u64) -> Box<[Box<str>]> {
         let campaign = &self.campaign;
         let (cell, point) = (&campaign.cells[campaign.cell_of(run)], campaign.replicate_of(run));
         let factors = campaign.factors.iter().zip(&cell.levels);
@@ -215,7 +215,7 @@ impl Bench {
             campaign.dispersions.iter().enumerate().map(|(coordinate, (_, spread))| {
                 spread.quantile(self.points.at(point, coordinate))
             });
-        factors.chain(list).chain(drawn).collect()
+        factors.chain(list).chain(drawn).map(String::into_boxed_str).collect()
     }
 
     /// The seed of a stream of a run: the same in all cells, so that cells can be compared in
@@ -239,7 +239,7 @@ impl Bench {
         let given = campaign.start_values.iter().chain(&scene.start_values);
         let given = given.map(|(name, value)| (names.resolve(name), value.clone()));
         let inputs = campaign.inputs().zip(self.inputs(run));
-        let inputs = inputs.map(|(name, value)| (names.resolve(name), value));
+        let inputs = inputs.map(|(name, value)| (names.resolve(name), value.into_string()));
         let replicate = campaign.replicate_of(run) as u64;
         let counted = campaign.counted_seeds.iter().map(|(name, [first, step])| {
             (names.resolve(name), (first + step * replicate).to_string())
@@ -295,7 +295,7 @@ impl Bench {
     }
 
     /// The row of a run that failed in the process that made it.
-    pub fn lost(&self, run: u64, status: Status, reason: impl Into<String>) -> Row {
+    pub fn lost(&self, run: u64, status: Status, reason: impl Into<Box<str>>) -> Row {
         Row { inputs: self.inputs(run), ..Row::without_figures(run, status, reason) }
     }
 
@@ -330,7 +330,7 @@ impl Bench {
         let outcome = self.made(run, more, results);
         let mut row =
             outcome.unwrap_or_else(|problem| self.lost(run, Status::Failed, reason(&problem)));
-        row.cpu_ms = format!("{:.1}", (processor_time() - begun) * 1e3);
+        row.cpu_ms = Number(((processor_time() - begun) * 1e4).round() / 10.0);
         row
     }
 
@@ -356,12 +356,12 @@ impl Bench {
         Ok(Row {
             run,
             status: Status::Ok,
-            reason: reason.join("; "),
+            reason: reason.join("; ").into(),
             inputs: self.inputs(run),
-            simulated: summary.simulated.to_string(),
+            simulated: Number(summary.simulated),
             figures: figures?.into_iter().map(Number).collect(),
-            digest: kept.digest.text(),
-            cpu_ms: String::new(),
+            digest: kept.digest.octets().into(),
+            cpu_ms: Number(f64::NAN),
         })
     }
 }

@@ -378,7 +378,7 @@ mod tests {
 
     fn row(run: u64) -> Row {
         let mut row = Row::without_figures(run, Status::Ok, "said \"a, b\"");
-        (row.figures, row.cpu_ms) = (vec![Number(0.1 + 0.2)], "1".into());
+        (row.figures, row.cpu_ms) = ([Number(0.1 + 0.2)].into(), Number(1.0));
         row
     }
 

@@ -253,7 +253,7 @@ mod tests {
             .map(|run| {
                 let value = campaign.replicate_of(run) as f64 + campaign.cell_of(run) as f64;
                 let mut row = Row::without_figures(run, Status::Ok, "");
-                row.figures = vec![Number(value)];
+                row.figures = [Number(value)].into();
                 row
             })
             .collect();

@@ -27,7 +27,7 @@ pub use folder::{Contents, Folder};
 pub use judgement::{Compared, Consistency, FigureOfCell, Judgement, Verdict};
 pub use keep::kept;
 pub use report::{Report, report};
-pub use row::{Number, Row, Status};
+pub use row::{Number, Row, RowDigest, Status};
 pub use score::Figures;
 pub use statistics::{Answer, Estimate};
 

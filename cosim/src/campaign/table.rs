@@ -64,21 +64,21 @@ pub(super) fn parquet(campaign: &Campaign, rows: &[Row], identity: &[String]) ->
         }));
         values.push(text(rows.iter().map(|row| row.status.word())));
         values.push(text(rows.iter().map(|row| &*row.reason)));
-        values.push(real(rows.iter().map(|row| &*row.simulated)));
-        values.extend((0..campaign.figures.len()).map(|place| {
-            let figures = rows.iter().map(|row| row.figure(place));
-            Values::OptionalReal(figures.map(|f| (!f.is_nan()).then_some(f)).collect())
-        }));
-        values.push(text(rows.iter().map(|row| &*row.digest)));
-        values.push(real(rows.iter().map(|row| &*row.cpu_ms)));
+        values.push(real(rows.iter().map(|row| row.simulated.0)));
+        values.extend(
+            (0..campaign.figures.len()).map(|place| real(rows.iter().map(|row| row.figure(place)))),
+        );
+        let digests = rows.iter().map(|row| row.digest.to_string().into_bytes().into());
+        values.push(Values::Text(digests.collect()));
+        values.push(real(rows.iter().map(|row| row.cpu_ms.0)));
         table.group(values)?;
     }
     table.finish()?;
     Ok(std::mem::take(table.output()))
 }
 
-fn at(values: &[String], place: usize) -> &str {
-    values.get(place).map_or("", String::as_str)
+fn at(values: &[Box<str>], place: usize) -> &str {
+    values.get(place).map_or("", |value| value)
 }
 
 fn whole(values: impl Iterator<Item = u64>) -> Values {
@@ -89,10 +89,9 @@ fn text<'a>(values: impl Iterator<Item = &'a str>) -> Values {
     Values::Text(values.map(ByteArray::from).collect())
 }
 
-/// A value that is not a number, or NaN, is missing.
-fn real<'a>(values: impl Iterator<Item = &'a str>) -> Values {
-    let number = |text: &str| text.parse().ok().filter(|value: &f64| !value.is_nan());
-    Values::OptionalReal(values.map(number).collect())
+/// NaN is missing.
+fn real(values: impl Iterator<Item = f64>) -> Values {
+    Values::OptionalReal(values.map(|value| (!value.is_nan()).then_some(value)).collect())
 }
 
 /// As CSV.
@@ -107,15 +106,20 @@ pub(super) fn csv(campaign: &Campaign, rows: &[Row]) -> String {
         let mut cells =
             vec![row.run.to_string(), quoted(cell), campaign.replicate_of(row.run).to_string()];
         cells.extend((0..inputs.len()).map(|place| quoted(at(&row.inputs, place))));
-        cells.extend([row.status.word().to_owned(), quoted(&row.reason), row.simulated.clone()]);
+        cells.extend([row.status.word().to_owned(), quoted(&row.reason), known(row.simulated)]);
         cells.extend(
             (0..campaign.figures.len())
                 .map(|place| row.figures.get(place).map(Number::to_string).unwrap_or_default()),
         );
-        cells.extend([row.digest.clone(), row.cpu_ms.clone()]);
+        cells.extend([row.digest.to_string(), known(row.cpu_ms)]);
         text += &(cells.join(",") + "\n");
     }
     text
+}
+
+/// Empty if it is missing.
+fn known(number: Number) -> String {
+    if number.0.is_nan() { String::new() } else { number.to_string() }
 }
 
 /// As a cell of a table.

@@ -246,9 +246,13 @@ impl Fmu {
     fn no_binary(&self, name: &str) -> Error {
         let wanted: Vec<String> =
             library::folders().iter().map(|f| format!("binaries/{f}/{name}")).collect();
+        let present = match &self.platforms()[..] {
+            [] => "it has no binaries at all".to_owned(),
+            platforms => format!("it has binaries for: {}", platforms.join(", ")),
+        };
         Error::new(Code::Library, "the FMU has no binary for this machine")
             .at(&self.path)
-            .why(format!("it has binaries for: {}", self.platforms().join(", ")))
+            .why(present)
             .help(format!("export it so that it contains {}", wanted.join(" or ")))
     }
 

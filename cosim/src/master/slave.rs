@@ -6,8 +6,9 @@ use crate::fmi::{Direct, Place, Unusual, Value};
 use crate::time::Time;
 
 /// A component from the master's point of view. Which variables [`Slave::set`], [`Slave::get`] and
-/// [`Slave::read`] transfer, and in which order, is fixed when the slave is created; all values are
-/// `f64`, which represents every FMI Integer and Boolean exactly.
+/// [`Slave::read`] transfer, and in which order, is fixed when the slave is created. A value is an
+/// `f64`, which represents every Real, Integer and Boolean exactly, and a String by its number
+/// ([`texts`](crate::texts)); its variable has its type.
 ///
 /// Calls come in this order: `enter_initialization`, then `set` and `get` alternately,
 /// `exit_initialization`, then `set`, `step`, `get` once per step; `read` at output instants.

@@ -73,9 +73,14 @@ impl RunningDigest {
         self.samples
     }
 
+    /// The digest.
+    pub fn octets(&self) -> [u8; 32] {
+        self.hash.clone().finalize().into()
+    }
+
     /// The digest in hexadecimal digits.
     pub fn text(&self) -> String {
-        hexadecimal(&self.hash.clone().finalize())
+        hexadecimal(&self.octets())
     }
 }
 

@@ -1,5 +1,6 @@
 """The `cosim` binary, and systems for it as plain data."""
 
+import csv
 import subprocess
 from pathlib import Path
 from xml.etree import ElementTree
@@ -49,9 +50,10 @@ def run(*arguments):
 
 def read(file):
     """Columns of a CSV file by name, with every bit of every number."""
-    header, *rows = Path(file).read_text().splitlines()
-    columns = np.array([[float(cell) for cell in row.split(",")] for row in rows]).T
-    return dict(zip(header.split(","), columns))
+    with Path(file).open(newline="") as source:
+        header, *rows = csv.reader(source)
+    columns = np.array([[float(cell) for cell in row] for row in rows]).T
+    return dict(zip(header, columns))
 
 
 def write_ssd(file, components, connections, stop_time):

@@ -52,8 +52,8 @@ impl Input {
         let input = |(place, name): (usize, &str)| {
             let mut texts: Vec<String> = Vec::new();
             for text in rows.iter().filter_map(|row| row.inputs.get(place)) {
-                if text.parse::<f64>().is_err() && !texts.contains(text) && texts.len() < TEXTS {
-                    texts.push(text.clone());
+                if text.parse::<f64>().is_err() && !texts.iter().any(|known| **known == **text) && texts.len() < TEXTS {
+                    texts.push(text.to_string());
                 }
             }
             Self { name: name.to_owned(), unit: unit(name), texts }
@@ -66,7 +66,7 @@ impl Input {
         if self.texts.is_empty() {
             return text.parse().unwrap_or(f64::NAN);
         }
-        self.texts.iter().position(|known| known == text).map_or(f64::NAN, |place| place as f64)
+        self.texts.iter().position(|known| **known == **text).map_or(f64::NAN, |place| place as f64)
     }
 }
 

@@ -65,7 +65,7 @@ impl Shown<'_> {
             cells[*cell].shown.push(ShownRun {
                 run: *run,
                 why,
-                digest: row.map_or(String::new(), |row| row.digest.clone()),
+                digest: row.map_or(String::new(), |row| row.digest.to_string()),
                 problem: made.as_ref().err().cloned(),
             });
             runs.extend(made.ok().map(|trace| (run.to_string(), trace)));

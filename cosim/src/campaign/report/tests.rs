@@ -6,7 +6,7 @@ use crate::campaign::{Number, Status};
 fn rows(figures: &[f64]) -> Vec<Row> {
     let row = |(run, figure): (usize, &f64)| {
         let mut row = Row::without_figures(run as u64, Status::Ok, "");
-        row.figures = vec![Number(*figure)];
+        row.figures = [Number(*figure)].into();
         row
     };
     figures.iter().enumerate().map(row).collect()

@@ -213,7 +213,7 @@ impl Campaign {
         if row.status != campaign::Status::Ok {
             return Err(Error::new(Code::Fmu, "the first run fails").why(row.reason));
         }
-        let seconds = row.cpu_ms.parse::<f64>().unwrap_or(0.0) / 1e3 * campaign.runs() as f64;
+        let seconds = row.cpu_ms.0 / 1e3 * campaign.runs() as f64;
         let octets = serde_json::to_vec(&row).map_or(0, |row| row.len()) as u64 * campaign.runs();
         print(&format!(
             "{} cells of {} runs: {} runs\nabout {} on {jobs} cores ({} ms of processor time for \
