@@ -9,7 +9,9 @@ import math
 import re
 import shutil
 import subprocess
+import time
 
+import pandas
 import pytest
 from axe_playwright_python.sync_playwright import Axe
 from browser import browser, draw_all, needs_chromium, problems
@@ -43,6 +45,7 @@ nominal = ""
 [figures]
 ate = {{ kind = "ate", truth = "vehicle.pose", estimate = "ekf.pose" }}
 nees = {{ kind = "nees", truth = "vehicle.pose", estimate = "ekf.pose", sigma = "ekf.sigma", covariance = "ekf.covariance", axes = ["x", "y"], every = 5 }}
+north = {{ kind = "error", of = "ekf.pose.x", minus = "vehicle.pose.x", sigma = "ekf.sigma.x", every = 5 }}
 
 [[verdict]]
 figure = "ate"
@@ -119,6 +122,7 @@ def test_from_the_matrix_to_a_run_and_back(page, report):
     expect(page.locator("h1")).to_have_text(name)
     expect(page.locator("text=Consistency: means over the runs")).to_be_visible()
     expect(page.get_by_role("heading", name="Consistency over time")).to_be_visible()
+    expect(page.get_by_role("heading", name="Errors over time")).to_be_visible()
     page.locator("table:has(caption:text('Runs:')) a").first.click()
     expect(page.locator("h1")).to_have_text(HEAD_OF_RUN)
     expect(page.locator("#map canvas")).to_have_count(1)
@@ -132,6 +136,24 @@ def test_from_the_matrix_to_a_run_and_back(page, report):
     page.goto("about:blank")
     page.goto(address)
     expect(page.locator("h1")).to_have_text(HEAD_OF_RUN)
+
+
+def test_errors_of_all_runs_beside_the_claimed_ones(page, folder, report):
+    """The values under the cursor are the quantiles of the table's columns."""
+    rows = pandas.read_parquet(folder / "c_campaign" / "runs.parquet")
+    name = "paper/kinematic/nominal"
+    rows = rows[rows["cell"] == name]
+    open_cell(page, report, name)
+    figure = page.locator("figure.plot", has_text="north: errors of the runs")
+    figure.scroll_into_view_if_needed()
+    over = figure.locator(".u-over")
+    box = over.bounding_box()
+    # The instants are 5 s to 30 s: the middle of the plot is between the third and the fourth.
+    over.hover(position={"x": box["width"] * 0.41, "y": 60})
+    shown = [float(text.removesuffix(" m").removesuffix(" s").replace("−", "-")) for text in figure.locator(".u-legend .u-value").all_inner_texts()]
+    errors = rows["north@15"]
+    wanted = [15, *(errors.quantile(p) for p in [0.05, 0.25, 0.5, 0.75, 0.95]), 3 * rows["north.sigma@15"].median()]
+    assert shown[:7] == pytest.approx(wanted, rel=1e-3)
 
 
 def shown_run(report):
@@ -258,7 +280,7 @@ def open_cell(page, file, name):
     expect(page.locator("h1")).to_have_text(name)
 
 
-@pytest.mark.parametrize("count", [32, 1000, 100_000])
+@pytest.mark.parametrize("count", [32, 1000, 100_000, 1_000_000])
 def test_as_many_runs_as_there_are(page, folder, tmp_path, count):
     """Artificial rows: a page stays small, opens fast, and leads to the runs that it shows."""
     shutil.copytree(folder / "c_campaign", tmp_path / "c_campaign")
@@ -267,19 +289,24 @@ def test_as_many_runs_as_there_are(page, folder, tmp_path, count):
     (tmp_path / "c.toml").write_text(CAMPAIGN.format(seeds=count // 4, root=ROOT, fmus=FMUS))
     (tmp_path / "lost.toml").write_text(LOST)
     log = tmp_path / "c_campaign" / "runs.jsonl"
+    pattern = ('{{"run":{run},"status":"ok","reason":"","inputs":["{input}"],"simulated":"30","figures":["{ate}","{nees}"{more}],'
+               '"digest":"%s","cpu_ms":"1"}}\n' % ("0" * 64))
     with log.open("a") as rows:
         for run in range(32, count):
             value = (run * 0.6180339887) % 1
-            row = {"run": run, "status": "ok", "reason": "", "inputs": [str(value * 0.2 - 0.1)], "simulated": "30",
-                   "figures": [str(1 + value), str(2 * value)], "digest": "0" * 64, "cpu_ms": "1"}
-            rows.write(json.dumps(row) + "\n")
+            # The error, then NEES, errors and claims at each instant.
+            more = f',"{value}"' * 19
+            rows.write(pattern.format(run=run, input=value * 0.2 - 0.1, ate=1 + value, nees=2 * value, more=more))
+    started = time.monotonic()
     cosim(tmp_path, "report", "c_campaign", "--runs-per-cell", "3")
+    written = time.monotonic() - started
+    log.unlink()
     file = tmp_path / "c_campaign" / "report.html"
     page.goto("about:blank")
     page.goto(file.as_uri())
     expect(page.locator("#matrix")).to_be_visible()
     loaded = page.evaluate("performance.getEntriesByType('navigation')[0].domComplete")
-    print(f"{count} rows: {file.stat().st_size / 1e6:.2f} MB, loaded in {loaded:.0f} ms")
+    print(f"{count} rows: {file.stat().st_size / 1e6:.2f} MB, written in {written:.1f} s, loaded in {loaded:.0f} ms")
     assert file.stat().st_size <= 5_000_000
     reported = data(file)["campaign"]
     assert reported["runs"] == count

@@ -70,25 +70,24 @@ struct Figure {
 
 /// The page of the campaign whose results are in a folder, and notes on what is missing. `more` is
 /// called before each run that is repeated, with the number of runs that are left; if it returns
-/// false, the rest is not shown. Fails if the folder holds no results, or results of another
-/// campaign than its file describes now.
+/// false, the rest is not shown. Fails if the folder is evidently not that of a campaign.
 pub fn report(
     folder: &Path,
     options: &Report,
     more: &mut dyn FnMut(usize) -> bool,
 ) -> Result<(String, Vec<String>)> {
-    let mut contents = match Folder::contents(folder) {
-        Ok(contents) => contents,
+    let read = Folder::contents(folder).and_then(|mut contents| {
+        let mut read = || contents.read_campaign(folder);
+        let both = (read()?, read()?);
+        Ok((contents, both))
+    });
+    let (mut contents, (mut campaign, mut repeated)) = match read {
+        Ok(read) => read,
         Err(problem) => return remains(folder, options, problem),
     };
-    let mut read = || {
-        let mut campaign = contents.read_campaign()?;
-        campaign.seeds = options.seeds.unwrap_or(campaign.seeds);
-        Ok::<_, Error>(campaign)
-    };
-    let (campaign, repeated) = (read()?, read()?);
+    campaign.seeds = options.seeds.unwrap_or(campaign.seeds);
+    repeated.seeds = campaign.seeds;
     contents.notes.dedup();
-    contents.fit(&campaign, folder)?;
     let mut notes = contents.notes.clone();
     let bench = shown::bench(repeated, &contents);
     let units = match &bench {
@@ -119,6 +118,7 @@ pub fn report(
         runs = made.make(&plan[..plan.len().min(most)], space, &mut cells, more);
     }
     missing(&campaign, &judgement, &mut notes);
+    notes.extend(super::folder::table_note(folder, judgement.runs));
     let document = Document {
         title: options.title.clone().unwrap_or_else(|| name(&campaign)),
         question: campaign.description.clone(),
@@ -254,7 +254,7 @@ fn campaign_data<'a>(
             .factors
             .iter()
             .map(|(name, _)| name.as_str())
-            .chain(campaign.list.0.iter().map(String::as_str))
+            .chain(campaign.list.parameters.iter().map(String::as_str))
             .collect(),
         inputs: sampling.inputs,
         cells,
@@ -267,7 +267,7 @@ fn name(campaign: &Campaign) -> String {
 
 fn method(campaign: &Campaign) -> Vec<Term> {
     let mut terms: Vec<Term> = campaign
-        .figures
+        .summarized()
         .iter()
         .map(|(name, f)| Term::new(format!("Figure {name}"), f.words()))
         .collect();
@@ -298,6 +298,12 @@ fn method(campaign: &Campaign) -> Vec<Term> {
             "NEES and NIS of a consistent filter are chi-square distributed. The mean over n runs \
              of k degrees of freedom lies in [χ²(0.025, n k), χ²(0.975, n k)] / n with 95 %, if a \
              run counts as one sample; a figure is itself a mean over time, so it spreads less.",
+        ),
+        (
+            "Errors over time",
+            "Quantiles of the errors of all runs of the cell at each instant, 5 % to 95 % and 25 % to \
+             75 %, beside three times the median of the standard deviations that the estimator \
+             claims: 99.7 % of normal errors with these deviations are within.",
         ),
         (
             "Box plots",
@@ -331,25 +337,30 @@ fn reported_by() -> Term {
     Term::new("Reported by", concat!("cosim ", env!("CARGO_PKG_VERSION")))
 }
 
-/// What the log alone says, where the folder's campaign cannot be read; an error if there is no row.
+/// What the log alone says, where the folder's campaign cannot be read; the problem if it is another
+/// folder.
 fn remains(folder: &Path, options: &Report, problem: Error) -> Result<(String, Vec<String>)> {
-    let (rows, mut notes) = super::folder::rows_alone(folder);
-    if rows.is_empty() {
-        return Err(problem);
+    let Some(mut notes) = super::folder::missing(folder) else { return Err(problem) };
+    let (rows, unread) = super::folder::rows_alone(folder);
+    let (mut sections, mut why) = (Vec::new(), problem.line());
+    if !rows.is_empty() {
+        why = format!("only the states of runs are shown: {why}");
+        let mut table = Table::new("Runs by how they ended", &["state", "runs"]);
+        let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+        rows.iter().for_each(|row| *counts.entry(row.status.word()).or_default() += 1);
+        counts
+            .into_iter()
+            .for_each(|(state, runs)| table.push([state.to_owned(), runs.to_string()]));
+        sections.push(Section { heading: "Runs".to_owned(), blocks: vec![Block::Table(table)] });
     }
-    notes.insert(0, format!("only the states of runs are shown: {}", problem.line()));
-    let mut table = Table::new("Runs by how they ended", &["state", "runs"]);
-    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
-    rows.iter().for_each(|row| *counts.entry(row.status.word()).or_default() += 1);
-    counts.into_iter().for_each(|(state, runs)| table.push([state.to_owned(), runs.to_string()]));
-    let mut section = Section::new("Runs");
-    section.blocks.push(Block::Table(table));
+    notes.push(why);
+    notes.extend(unread);
     let stem = || folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let document = Document::<()> {
         title: options.title.clone().unwrap_or_else(stem),
         question: String::new(),
         summary: Vec::new(),
-        sections: vec![section],
+        sections,
         notes: notes.clone(),
         method: Vec::new(),
         provenance: vec![reported_by()],

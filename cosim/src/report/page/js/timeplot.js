@@ -38,12 +38,13 @@ function shadeFaults(u, faults, stop) {
 
 function lineStyle(line, place, count) {
   if (line.role === "truth") return { stroke: colour("truth"), width: 2 };
+  if (line.role === "edge") return { stroke: colour("estimate"), width: 0.75 };
   if (line.role === "estimate" && count === 1) return { stroke: colour("estimate"), width: 1.5 };
   const own = SIGNALS[place % SIGNALS.length];
   return { stroke: colour(own), width: 1.5, dash: DASHES[Math.floor(place / 2) % DASHES.length] };
 }
 
-/** Data and series of a plot: lines, then the edges of the band, then its limits. */
+/** Data and series of a plot: lines, between which `fills` are shaded, then the edges of the band, then its limits. */
 function contents(plot) {
   const value = (_, v) => (v == null ? "–" : withUnit(num(v), plot.unit));
   const paths = plot.steps ? { paths: uPlot.paths.stepped({ align: 1 }) } : {};
@@ -54,7 +55,7 @@ function contents(plot) {
     const truths = plot.lines.filter((other) => other.role === "truth").length;
     series.push({ ...quiet, label: line.name, ...lineStyle(line, line.role === "truth" ? 0 : place - truths, plot.lines.length) });
   });
-  const bands = [];
+  const bands = (plot.fills ?? []).map(([low, high]) => ({ series: [high + 1, low + 1], fill: colour("band") }));
   const bound = { ...quiet, stroke: colour("estimate"), width: 1, dash: [4, 3] };
   if (plot.band) {
     const above = plot.band.v;
