@@ -121,8 +121,8 @@ def test_from_the_matrix_to_a_run_and_back(page, report):
     cell.click()
     expect(page.locator("h1")).to_have_text(name)
     expect(page.locator("text=Consistency: means over the runs")).to_be_visible()
-    expect(page.get_by_role("heading", name="Consistency over time")).to_be_visible()
-    expect(page.get_by_role("heading", name="Errors over time")).to_be_visible()
+    for title in ["nees: mean over the runs", "north: errors of the runs (m)"]:
+        expect(page.locator("figcaption", has_text=title)).to_be_visible()
     page.locator("table:has(caption:text('Runs:')) a").first.click()
     expect(page.locator("h1")).to_have_text(HEAD_OF_RUN)
     expect(page.locator("#map canvas")).to_have_count(1)
@@ -146,10 +146,11 @@ def test_errors_of_all_runs_beside_the_claimed_ones(page, folder, report):
     open_cell(page, report, name)
     figure = page.locator("figure.plot", has_text="north: errors of the runs")
     figure.scroll_into_view_if_needed()
-    over = figure.locator(".u-over")
-    box = over.bounding_box()
-    # The instants are 5 s to 30 s: the middle of the plot is between the third and the fourth.
-    over.hover(position={"x": box["width"] * 0.41, "y": 60})
+    # The instants are 5 s to 30 s; a key moves the cursor by a thousandth of that.
+    page.locator("#time").focus()
+    page.keyboard.press("End")
+    expect(figure.locator(".u-legend .u-value").first).to_have_text("30 s")
+    page.locator("#time").fill("400")
     shown = [float(text.removesuffix(" m").removesuffix(" s").replace("−", "-")) for text in figure.locator(".u-legend .u-value").all_inner_texts()]
     errors = rows["north@15"]
     wanted = [15, *(errors.quantile(p) for p in [0.05, 0.25, 0.5, 0.75, 0.95]), 3 * rows["north.sigma@15"].median()]
@@ -487,6 +488,14 @@ def test_recordings_that_lack_things_are_opened(page, tmp_path):
         page.goto((tmp_path / f"{name}.html").as_uri())
         expect(page.locator("#view")).to_contain_text(said)
         draw_all(page)
+
+
+def test_an_empty_folder_says_so_and_nothing_else(page, tmp_path):
+    (tmp_path / "empty").mkdir()
+    cosim(tmp_path, "report", "empty")
+    page.goto((tmp_path / "empty" / "report.html").as_uri())
+    expect(page.locator(".notes")).to_contain_text("the folder is empty")
+    expect(page.locator("#end")).to_have_text(re.compile(r"^Method and provenanceReported bycosim [\d.]+$"))
 
 
 def test_a_folder_that_was_half_written_is_opened(page, folder, tmp_path):

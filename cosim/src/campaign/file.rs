@@ -204,11 +204,9 @@ impl Campaign {
                 table.wrong("'every' needs the campaign's stop-time");
                 continue;
             };
-            let axes = match figure.is_error() {
-                true => None,
-                false => Some(figure.axes().or(table.count("dimension").map(|n| n as usize))),
-            };
-            if axes.is_some_and(|axes| axes.is_none_or(|axes| axes == 0)) || stop / every > 1000.0 {
+            let axes = figure.axes().or(table.count("dimension").map(|count| count as usize));
+            let axes = axes.filter(|axes| *axes > 0);
+            if (axes.is_none() && !figure.is_error()) || stop / every > 1000.0 {
                 table.wrong(
                     "'every' needs the 'dimension' of the innovation, and at most 1000 instants",
                 );
@@ -221,7 +219,6 @@ impl Campaign {
                 let named = |(more, figure)| (at_instant(name, more, at), figure);
                 self.figures.extend(figure.at(at).into_iter().map(named));
             }
-            let axes = axes.flatten();
             self.over_time.push(OverTime { figure: name.to_owned(), every, axes, instants });
         }
     }
@@ -435,9 +432,11 @@ impl Campaign {
         lines.extend(
             self.summarized().iter().map(|(name, figure)| format!("figure {name} = {figure:?}")),
         );
-        lines.extend(self.over_time.iter().map(|over| {
-            format!("figure {} every {} s, axes {:?}", over.figure, over.every, over.axes)
-        }));
+        let axes = |over: &OverTime| (over.figure.clone(), over.axes.unwrap_or(0));
+        let over_time: Vec<(String, usize)> = self.over_time.iter().map(axes).collect();
+        lines.push(format!("over time = {over_time:?}"));
+        let every = |over: &OverTime| format!("figure {} every {} s", over.figure, over.every);
+        lines.extend(self.over_time.iter().map(every));
         lines
     }
 }

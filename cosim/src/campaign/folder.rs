@@ -70,7 +70,8 @@ impl Folder {
         })?;
         let manifest = path.join(MANIFEST);
         if manifest.exists() {
-            fits(&Manifest::read(&path)?.identity, identity, &path)?;
+            let fit = fits(&Manifest::read(&path)?.identity, identity, &path);
+            fit.map_err(|e| e.help("undo the change, or choose another --output-dir"))?;
         }
         let mut folder = Self { path, log, synced: Instant::now(), rows: Vec::new() };
         folder.read_log()?;
@@ -228,7 +229,7 @@ pub(super) fn missing(path: &Path) -> Option<Vec<String>> {
         notes.push("the folder is empty: cosim campaign writes results into it".to_owned());
     }
     if shards > 0 {
-        notes.push(format!("{shards} parts are not merged: cosim campaign --merge merges them"));
+        notes.push("its shards are not merged: cosim campaign --merge merges them".to_owned());
     }
     Some(notes)
 }
@@ -401,8 +402,7 @@ fn fits(before: &[String], now: &[String], path: &Path) -> Result<()> {
     };
     Err(Error::new(Code::Campaign, "the existing results belong to another campaign")
         .at(path)
-        .why(format!("they were made with: {}. Now: {}", shown(gone), shown(new)))
-        .help("undo the change, or choose another --output-dir"))
+        .why(format!("they were made with: {}. Now: {}", shown(gone), shown(new))))
 }
 
 #[cfg(test)]

@@ -158,7 +158,7 @@ fn folders_with_nothing_to_show_get_a_page_that_says_so() {
     let reported = said("c_campaign", &["campaign.json", "runs.jsonl cannot be read"]);
     assert_eq!(reported["sections"], serde_json::json!([]));
     std::fs::create_dir_all(folder.join("parts/shard-1-of-2")).unwrap();
-    said("parts", &["1 parts are not merged"]);
+    said("parts", &["its shards are not merged"]);
     // The page itself makes an empty folder no other one.
     std::fs::create_dir(folder.join("empty")).unwrap();
     for _ in 0..2 {

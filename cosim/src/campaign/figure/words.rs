@@ -29,7 +29,7 @@ impl Figure {
                         format!("how long it takes until {of} stays below {bound}")
                     }
                     Take::Error(sigma) => {
-                        format!("the root mean square of {of}, whose claimed deviation is {sigma}")
+                        format!("the root mean square of {of}, with the claimed sigma {sigma}")
                     }
                     Take::At(instant) => format!("{of} at {instant} s"),
                 }

@@ -118,7 +118,8 @@ pub fn report(
         runs = made.make(&plan[..plan.len().min(most)], space, &mut cells, more);
     }
     missing(&campaign, &judgement, &mut notes);
-    notes.extend(super::folder::table_note(folder, judgement.runs));
+    let table = super::folder::table_note(folder, judgement.runs);
+    notes.extend(table.clone());
     let document = Document {
         title: options.title.clone().unwrap_or_else(|| name(&campaign)),
         question: campaign.description.clone(),
@@ -126,7 +127,7 @@ pub fn report(
         sections: options.sections.clone(),
         notes: notes.clone(),
         method: method(&campaign),
-        provenance: provenance(&campaign, &contents, folder),
+        provenance: provenance(&campaign, &contents, table.is_none().then_some(folder)),
         identity: identity(&contents),
         campaign: Some(campaign_data(&campaign, folder, &judgement, &units, main, sampling, cells)),
         runs,
@@ -316,9 +317,10 @@ fn method(campaign: &Campaign) -> Vec<Term> {
     terms
 }
 
-fn provenance(campaign: &Campaign, contents: &Contents, folder: &Path) -> Vec<Term> {
-    let table = folder.join("runs.parquet");
-    let rest = table.exists().then(|| {
+/// What the page is from; `folder` is given if its table has all runs.
+fn provenance(campaign: &Campaign, contents: &Contents, folder: Option<&Path>) -> Vec<Term> {
+    let rest = folder.map(|folder| {
+        let table = folder.join("runs.parquet");
         let what = "has a row for each run: its parameters, figures and digest";
         Term::new("All runs", format!("{} {what}", table.display()))
     });

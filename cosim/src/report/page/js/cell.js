@@ -3,7 +3,7 @@ import { choice, el, facts, table } from "./dom.js";
 import { address, answerMore, measured, num, verdictMark, withUnit, worst } from "./format.js";
 import { boxes, labelled, scatter, shares } from "./distribution.js";
 import { Clock } from "./clock.js";
-import { timePlot } from "./timeplot.js";
+import { timePlot, timeSlider, zoomButtons } from "./timeplot.js";
 import { chosen, comparisons, thresholds } from "./overview.js";
 
 /** The command that repeats a run. */
@@ -121,11 +121,12 @@ function errorsOf({ figure, t, quantiles, three_sigma: v }, { figures }) {
 
 function overTime(report, cell) {
   const all = [...cell.over_time, ...cell.errors];
+  if (all.length === 0) return null;
   const clock = new Clock(Math.min(...all.map(({ t }) => t[0])), Math.max(...all.map(({ t }) => t.at(-1))));
   const faults = commonFaults(report, cell);
-  const plots = (list, of) => el("div", { class: "plots" }, list.map((one) => timePlot({ steps: false, down: false, ...of(one, report.campaign) }, clock, faults)));
-  return [cell.over_time.length > 0 && [el("h2", {}, "Consistency over time"), plots(cell.over_time, meansOf)],
-    cell.errors.length > 0 && [el("h2", {}, "Errors over time"), plots(cell.errors, errorsOf)]].flat();
+  const plots = [...cell.over_time.map(meansOf), ...cell.errors.map((errors) => errorsOf(errors, report.campaign))];
+  return [el("h2", {}, "Over time"), timeSlider(clock), zoomButtons(clock),
+    el("div", { class: "plots" }, plots.map((plot) => timePlot({ steps: false, down: false, ...plot }, clock, faults)))];
 }
 
 /** A line for each run that matters: those that are shown in full, then the worst. */
