@@ -158,6 +158,12 @@ function failures(campaign, cell) {
   ]);
 }
 
+/** A threshold, and what would decide it. */
+function bounded({ figure, threshold, answer }) {
+  const more = answerMore(answer);
+  return `${figure}: ${threshold}${more && ` (${more})`}`;
+}
+
 export function cellView(report, cell) {
   const { campaign } = report;
   chosen.figure ??= campaign.main;
@@ -178,7 +184,7 @@ export function cellView(report, cell) {
   });
   return [
     el("h1", {}, cell.name, " "),
-    el("p", { class: "banner " + answer }, verdictMark(answer), el("span", { class: "soft" }, cell.verdicts.map((verdict) => `${verdict.figure}: ${verdict.threshold}`).join("; "), ...cell.verdicts.map((v) => answerMore(v.answer)).filter(Boolean).map((more) => ` (${more})`))),
+    el("p", { class: "banner " + answer }, verdictMark(answer), el("span", { class: "soft" }, cell.verdicts.map(bounded).join("; "))),
     facts([["Runs", String(cell.runs)], ["Failed runs", String(cell.failed)], ["Scenario", cell.row], ["Column", cell.column]]),
     cell.verdicts.length > 0 && thresholds(cell.verdicts, false),
     figures.length > 0 && table("Figures", ["figure", "what it is", "runs", "median [95 %]", "95th percentile [95 %]", "not finite"], figures, [0, 1]),
