@@ -18,13 +18,16 @@ SIZE = {"width": 1100, "height": 900}
 
 
 def report(browser, folder):
-    """A campaign: its first screen, and its worst run."""
+    """A campaign: its first screen, a cell, and its worst run."""
     subprocess.run([COSIM, "campaign", ROOT / "examples/campaign/filters.toml", "-q", "--output-dir", folder], check=False)
     subprocess.run([COSIM, "report", folder], check=True)
     page = browser.new_page(viewport=SIZE)
     page.goto((folder / "report.html").as_uri())
     page.screenshot(path=FOLDER / "campaign.png")
     page.locator("#matrix td a").last.click()
+    draw_all(page)
+    page.get_by_role("heading", name="Over time").evaluate("heading => heading.scrollIntoView()")
+    page.screenshot(path=FOLDER / "cell.png")
     page.locator("table:has(caption:text('Runs:')) a").first.click()
     expect(page.get_by_role("heading", level=1)).to_contain_text("Run")
     draw_all(page)

@@ -9,7 +9,9 @@ import math
 import re
 import shutil
 import subprocess
+import time
 
+import pandas
 import pytest
 from axe_playwright_python.sync_playwright import Axe
 from browser import browser, draw_all, needs_chromium, problems
@@ -43,6 +45,7 @@ nominal = ""
 [figures]
 ate = {{ kind = "ate", truth = "vehicle.pose", estimate = "ekf.pose" }}
 nees = {{ kind = "nees", truth = "vehicle.pose", estimate = "ekf.pose", sigma = "ekf.sigma", covariance = "ekf.covariance", axes = ["x", "y"], every = 5 }}
+north = {{ kind = "error", of = "ekf.pose.x", minus = "vehicle.pose.x", sigma = "ekf.sigma.x", every = 5 }}
 
 [[verdict]]
 figure = "ate"
@@ -118,7 +121,8 @@ def test_from_the_matrix_to_a_run_and_back(page, report):
     cell.click()
     expect(page.locator("h1")).to_have_text(name)
     expect(page.locator("text=Consistency: means over the runs")).to_be_visible()
-    expect(page.get_by_role("heading", name="Consistency over time")).to_be_visible()
+    for title in ["nees: mean over the runs", "north: errors of the runs (m)"]:
+        expect(page.locator("figcaption", has_text=title)).to_be_visible()
     page.locator("table:has(caption:text('Runs:')) a").first.click()
     expect(page.locator("h1")).to_have_text(HEAD_OF_RUN)
     expect(page.locator("#map canvas")).to_have_count(1)
@@ -132,6 +136,25 @@ def test_from_the_matrix_to_a_run_and_back(page, report):
     page.goto("about:blank")
     page.goto(address)
     expect(page.locator("h1")).to_have_text(HEAD_OF_RUN)
+
+
+def test_errors_of_all_runs_beside_the_claimed_ones(page, folder, report):
+    """The values under the cursor are the quantiles of the table's columns."""
+    rows = pandas.read_parquet(folder / "c_campaign" / "runs.parquet")
+    name = "paper/kinematic/nominal"
+    rows = rows[rows["cell"] == name]
+    open_cell(page, report, name)
+    figure = page.locator("figure.plot", has_text="north: errors of the runs")
+    figure.scroll_into_view_if_needed()
+    # The instants are 5 s to 30 s; a key moves the cursor by a thousandth of that.
+    page.locator("#time").focus()
+    page.keyboard.press("End")
+    expect(figure.locator(".u-legend .u-value").first).to_have_text("30 s")
+    page.locator("#time").fill("400")
+    shown = [float(text.removesuffix(" m").removesuffix(" s").replace("−", "-")) for text in figure.locator(".u-legend .u-value").all_inner_texts()]
+    errors = rows["north@15"]
+    wanted = [15, *(errors.quantile(p) for p in [0.05, 0.25, 0.5, 0.75, 0.95]), 3 * rows["north.sigma@15"].median()]
+    assert shown[:7] == pytest.approx(wanted, rel=1e-3)
 
 
 def shown_run(report):
@@ -258,7 +281,7 @@ def open_cell(page, file, name):
     expect(page.locator("h1")).to_have_text(name)
 
 
-@pytest.mark.parametrize("count", [32, 1000, 100_000])
+@pytest.mark.parametrize("count", [32, 1000, 100_000, 1_000_000])
 def test_as_many_runs_as_there_are(page, folder, tmp_path, count):
     """Artificial rows: a page stays small, opens fast, and leads to the runs that it shows."""
     shutil.copytree(folder / "c_campaign", tmp_path / "c_campaign")
@@ -267,19 +290,24 @@ def test_as_many_runs_as_there_are(page, folder, tmp_path, count):
     (tmp_path / "c.toml").write_text(CAMPAIGN.format(seeds=count // 4, root=ROOT, fmus=FMUS))
     (tmp_path / "lost.toml").write_text(LOST)
     log = tmp_path / "c_campaign" / "runs.jsonl"
+    pattern = ('{{"run":{run},"status":"ok","reason":"","inputs":["{input}"],"simulated":"30","figures":["{ate}","{nees}"{more}],'
+               '"digest":"%s","cpu_ms":"1"}}\n' % ("0" * 64))
     with log.open("a") as rows:
         for run in range(32, count):
             value = (run * 0.6180339887) % 1
-            row = {"run": run, "status": "ok", "reason": "", "inputs": [str(value * 0.2 - 0.1)], "simulated": "30",
-                   "figures": [str(1 + value), str(2 * value)], "digest": "0" * 64, "cpu_ms": "1"}
-            rows.write(json.dumps(row) + "\n")
+            # The error, then NEES, errors and claims at each instant.
+            more = f',"{value}"' * 19
+            rows.write(pattern.format(run=run, input=value * 0.2 - 0.1, ate=1 + value, nees=2 * value, more=more))
+    started = time.monotonic()
     cosim(tmp_path, "report", "c_campaign", "--runs-per-cell", "3")
+    written = time.monotonic() - started
+    log.unlink()
     file = tmp_path / "c_campaign" / "report.html"
     page.goto("about:blank")
     page.goto(file.as_uri())
     expect(page.locator("#matrix")).to_be_visible()
     loaded = page.evaluate("performance.getEntriesByType('navigation')[0].domComplete")
-    print(f"{count} rows: {file.stat().st_size / 1e6:.2f} MB, loaded in {loaded:.0f} ms")
+    print(f"{count} rows: {file.stat().st_size / 1e6:.2f} MB, written in {written:.1f} s, loaded in {loaded:.0f} ms")
     assert file.stat().st_size <= 5_000_000
     reported = data(file)["campaign"]
     assert reported["runs"] == count
@@ -460,6 +488,14 @@ def test_recordings_that_lack_things_are_opened(page, tmp_path):
         page.goto((tmp_path / f"{name}.html").as_uri())
         expect(page.locator("#view")).to_contain_text(said)
         draw_all(page)
+
+
+def test_an_empty_folder_says_so_and_nothing_else(page, tmp_path):
+    (tmp_path / "empty").mkdir()
+    cosim(tmp_path, "report", "empty")
+    page.goto((tmp_path / "empty" / "report.html").as_uri())
+    expect(page.locator(".notes")).to_contain_text("the folder is empty")
+    expect(page.locator("#end")).to_have_text(re.compile(r"^Method and provenanceReported bycosim [\d.]+$"))
 
 
 def test_a_folder_that_was_half_written_is_opened(page, folder, tmp_path):

@@ -210,7 +210,7 @@ impl Bench {
         let (cell, point) = (&campaign.cells[campaign.cell_of(run)], campaign.replicate_of(run));
         let factors = campaign.factors.iter().zip(&cell.levels);
         let factors = factors.map(|((_, values), level)| values[*level].clone());
-        let list = cell.row.map(|row| campaign.list.1[row].clone()).unwrap_or_default();
+        let list = cell.row.map(|row| campaign.list.rows[row].clone()).unwrap_or_default();
         let drawn =
             campaign.dispersions.iter().enumerate().map(|(coordinate, (_, spread))| {
                 spread.quantile(self.points.at(point, coordinate))

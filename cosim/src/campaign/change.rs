@@ -34,7 +34,7 @@ pub enum Meaning {
     Unclear,
 }
 
-/// Every figure that both campaigns have, for the cells that both have. Smaller is better, unless a
+/// Every figure that both campaigns have, without single instants, for the cells that both have. Smaller is better, unless a
 /// threshold says `at-least`.
 pub fn changes(campaign: &Campaign, rows: &[Row], past: &Contents) -> Vec<Change> {
     let mut before: HashMap<(&str, u64), &Row> = HashMap::new();
@@ -50,7 +50,7 @@ pub fn changes(campaign: &Campaign, rows: &[Row], past: &Contents) -> Vec<Change
         if !past.cells.iter().any(|known| known == name) {
             continue;
         }
-        for (place, figure) in campaign.figures().enumerate() {
+        for (place, (figure, _)) in campaign.summarized().iter().enumerate() {
             let Some(old) = past.figures.iter().position(|known| known == figure) else { continue };
             let own = rows
                 .iter()
@@ -71,7 +71,7 @@ pub fn changes(campaign: &Campaign, rows: &[Row], past: &Contents) -> Vec<Change
             };
             changes.push(Change {
                 cell: name.to_owned(),
-                figure: figure.to_owned(),
+                figure: figure.clone(),
                 pairs: differences.len(),
                 difference,
                 meaning,

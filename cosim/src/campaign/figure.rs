@@ -54,7 +54,7 @@ enum What {
     Whiteness { innovation: String, count: String },
 }
 
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 enum Take {
     Final,
     Min,
@@ -65,6 +65,10 @@ enum Take {
     TimeAbove(f64),
     FirstAbove(f64),
     SettledBelow(f64),
+    /// Root mean square of an error of which this standard deviation is claimed.
+    Error(Expression),
+    /// The value at an instant (s); NaN if the part of the run does not reach it.
+    At(f64),
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -81,7 +85,7 @@ struct Poses {
     axes: Vec<String>,
 }
 
-pub(super) const KINDS: [&str; 17] = [
+pub(super) const KINDS: [&str; 18] = [
     "final",
     "min",
     "max",
@@ -91,6 +95,7 @@ pub(super) const KINDS: [&str; 17] = [
     "time-above",
     "first-above",
     "settled-below",
+    "error",
     "ate",
     "rpe",
     "drift",
@@ -225,22 +230,37 @@ impl Figure {
         Some(Self { what, from, until, window })
     }
 
-    /// The same figure at an instant (s), if it is one that is evaluated at single instants over
-    /// time.
-    pub(super) fn at(&self, instant: f64) -> Option<Self> {
-        let mut what = self.what.clone();
+    /// What a figure that is evaluated over time is at an instant (s), each with what is added to
+    /// its name; nothing for other figures.
+    pub(super) fn at(&self, instant: f64) -> Vec<(&'static str, Self)> {
+        let (mut what, mut claimed) = (self.what.clone(), None);
         match &mut what {
             What::Nees { at, .. } | What::Nis { at, .. } => *at = Some(instant),
-            _ => return None,
+            What::Of { take: take @ Take::Error(_), .. } => {
+                if let Take::Error(of) = std::mem::replace(take, Take::At(instant)) {
+                    let (minus, take) = (None, Take::At(instant));
+                    claimed = Some(What::Of { of, minus, absolute: false, angle: false, take });
+                }
+            }
+            _ => return Vec::new(),
         }
-        Some(Self { what, ..self.clone() })
+        let all = [("", what)].into_iter().chain(claimed.map(|what| (".sigma", what)));
+        all.map(|(more, what)| (more, Self { what, ..self.clone() })).collect()
+    }
+
+    /// Whether it is an error with a claimed standard deviation.
+    pub(super) fn is_error(&self) -> bool {
+        matches!(self.what, What::Of { take: Take::Error(_), .. })
     }
 
     /// The same figure for variables with other names.
     pub(super) fn renamed(&self, aliases: &Aliases) -> Self {
         let mut figure = self.clone();
         let (poses, expressions, names) = match &mut figure.what {
-            What::Of { of, minus, .. } => (None, vec![Some(of), minus.as_mut()], vec![]),
+            What::Of { of, minus, take, .. } => {
+                let sigma = if let Take::Error(sigma) = take { Some(sigma) } else { None };
+                (None, vec![Some(of), minus.as_mut(), sigma], vec![])
+            }
             What::Ate { poses, .. }
             | What::Rpe { poses, .. }
             | What::Drift(poses)
@@ -267,6 +287,7 @@ impl Figure {
     pub(super) fn instant(&self) -> Option<f64> {
         match self.what {
             What::Nees { at, .. } | What::Nis { at, .. } => at,
+            What::Of { take: Take::At(at), .. } => Some(at),
             _ => None,
         }
     }
@@ -281,16 +302,24 @@ impl Figure {
 
     fn read_of(table: &Table<'_>, kind: &str) -> Option<What> {
         let number = |key: &str| table.needed_number(key);
-        let (take, own) = match kind {
-            "final" => (Some(Take::Final), None),
-            "min" => (Some(Take::Min), None),
-            "max" => (Some(Take::Max), None),
-            "mean" => (Some(Take::Mean), None),
-            "rms" => (Some(Take::Rms), None),
-            "percentile" => (number("p").map(Take::Percentile), Some("p")),
-            "time-above" => (number("above").map(Take::TimeAbove), Some("above")),
-            "first-above" => (number("above").map(Take::FirstAbove), Some("above")),
-            "settled-below" => (number("below").map(Take::SettledBelow), Some("below")),
+        let needed = |key: &str| match table.get(key) {
+            Some(entry) => expression(&entry),
+            None => {
+                table.wrong(format!("'{key}' is missing"));
+                None
+            }
+        };
+        let (take, own): (_, &[&str]) = match kind {
+            "final" => (Some(Take::Final), &[]),
+            "min" => (Some(Take::Min), &[]),
+            "max" => (Some(Take::Max), &[]),
+            "mean" => (Some(Take::Mean), &[]),
+            "rms" => (Some(Take::Rms), &[]),
+            "percentile" => (number("p").map(Take::Percentile), &["p"]),
+            "time-above" => (number("above").map(Take::TimeAbove), &["above"]),
+            "first-above" => (number("above").map(Take::FirstAbove), &["above"]),
+            "settled-below" => (number("below").map(Take::SettledBelow), &["below"]),
+            "error" => (needed("sigma").map(Take::Error), &["sigma", "every"]),
             other => {
                 let help = names::did_you_mean(other, KINDS)
                     .unwrap_or_else(|| format!("known are {}", KINDS.join(", ")));
@@ -299,19 +328,13 @@ impl Figure {
             }
         };
         let known = PART.into_iter().chain(["of", "minus", "absolute", "angle"]);
-        table.allow(&known.chain(own).collect::<Vec<_>>());
+        table.allow(&known.chain(own.iter().copied()).collect::<Vec<_>>());
         if let Some(Take::Percentile(p)) = take
             && !(0.0..=100.0).contains(&p)
         {
             table.get("p")?.wrong(format!("{p} is not between 0 and 100"));
         }
-        let of = table.get("of").map_or_else(
-            || {
-                table.wrong("'of' is missing");
-                None
-            },
-            |entry| expression(&entry),
-        );
+        let of = needed("of");
         let minus = table.get("minus").map_or(Some(None), |entry| expression(&entry).map(Some));
         let flag = |key: &str| table.number(key).is_some_and(|value| value != 0.0);
         let (absolute, angle) = (flag("absolute"), flag("angle"));
@@ -321,8 +344,10 @@ impl Figure {
     /// The variables that it needs.
     pub(super) fn columns(&self) -> Vec<String> {
         match &self.what {
-            What::Of { of, minus, .. } => {
-                [of].into_iter().chain(minus).flat_map(|of| of.variables().to_vec()).collect()
+            What::Of { of, minus, take, .. } => {
+                let sigma = if let Take::Error(sigma) = take { Some(sigma) } else { None };
+                let all = [of].into_iter().chain(minus).chain(sigma);
+                all.flat_map(|of| of.variables().to_vec()).collect()
             }
             What::Ate { poses, .. } | What::CrossTrack { poses, .. } | What::Drift(poses) => {
                 poses.columns()

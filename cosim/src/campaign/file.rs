@@ -1,10 +1,12 @@
 //! The file of a campaign.
 
+mod list;
 mod parts;
 
 use std::path::{Path, PathBuf};
 
-pub(super) use self::parts::{Cell, Keep, Replacement, Scene, Source, Threshold};
+use self::list::List;
+pub(super) use self::parts::{Cell, Keep, OverTime, Replacement, Scene, Source, Threshold};
 use super::design::{DESIGNS, Design, Distribution, Points};
 use super::figure::Figure;
 use crate::condition::Condition;
@@ -30,8 +32,7 @@ pub struct Campaign {
     pub(super) replacements: Vec<Replacement>,
     pub(super) scenarios: Vec<(String, Scene)>,
     pub(super) factors: Vec<(String, Vec<String>)>,
-    /// The columns of the list, and its rows.
-    pub(super) list: (Vec<String>, Vec<Vec<String>>),
+    pub(super) list: List,
     pub(super) dispersions: Vec<(String, Distribution)>,
     pub(super) design: Design,
     pub(super) start_values: Vec<(String, String)>,
@@ -44,8 +45,8 @@ pub struct Campaign {
     /// Time limit of a run (s); a run that takes longer has failed.
     pub time_limit: f64,
     pub(super) figures: Vec<(String, Figure)>,
-    /// Figures that are evaluated over time: their names, and the number of their axes.
-    pub(super) over_time: Vec<(String, usize)>,
+    /// Figures that are evaluated over time.
+    pub(super) over_time: Vec<OverTime>,
     /// Which runs are repeated and kept in full.
     pub(super) keep: Keep,
     /// No further runs are made of cells whose thresholds are decided.
@@ -135,7 +136,7 @@ impl Campaign {
                 }
                 entry.list().iter().map(|value| value.start_value()).collect()
             }),
-            list: (Vec::new(), Vec::new()),
+            list: List::default(),
             dispersions: named(&root, "dispersions", |e| Distribution::read(&e.table()?)),
             design: design(&root),
             start_values: named(&root, "start-values", |entry| entry.start_value()),
@@ -172,7 +173,7 @@ impl Campaign {
                     Error::new(Code::File, "the list cannot be read").at(&file).why(e)
                 }),
             };
-            match text.and_then(|text| Ok((read_list(&file, &text)?, text))) {
+            match text.and_then(|text| Ok((List::read(&file, &text)?, text))) {
                 Ok((read, text)) => (campaign.list, campaign.list_text) = (read, Some(text)),
                 Err(problem) => document.note(problem),
             }
@@ -203,21 +204,22 @@ impl Campaign {
                 table.wrong("'every' needs the campaign's stop-time");
                 continue;
             };
-            let axes = match figure.axes() {
-                Some(axes) => axes,
-                None => table.count("dimension").unwrap_or(0) as usize,
-            };
-            if axes == 0 || stop / every > 1000.0 {
+            let axes = figure.axes().or(table.count("dimension").map(|count| count as usize));
+            let axes = axes.filter(|axes| *axes > 0);
+            if (axes.is_none() && !figure.is_error()) || stop / every > 1000.0 {
                 table.wrong(
                     "'every' needs the 'dimension' of the innovation, and at most 1000 instants",
                 );
                 continue;
             }
-            self.over_time.push((name.to_owned(), axes));
-            let instants = (1..=(stop / every + 1e-9) as u32).map(|count| f64::from(count) * every);
-            let at = instants.filter_map(|at| Some((at_instant(name, at), figure.at(at)?)));
-            let at: Vec<_> = at.collect();
-            self.figures.extend(at);
+            let (figure, mut instants) = (figure.clone(), Vec::new());
+            for count in 1..=(stop / every + 1e-9) as u32 {
+                let at = f64::from(count) * every;
+                instants.push(self.figures.len());
+                let named = |(more, figure)| (at_instant(name, more, at), figure);
+                self.figures.extend(figure.at(at).into_iter().map(named));
+            }
+            self.over_time.push(OverTime { figure: name.to_owned(), every, axes, instants });
         }
     }
 
@@ -226,7 +228,7 @@ impl Campaign {
         let mut seen: Vec<(&str, &str)> = Vec::new();
         let factors = self.factors.iter().map(|(name, _)| (name.as_str(), "factors"));
         let dispersions = self.dispersions.iter().map(|(name, _)| (name.as_str(), "dispersions"));
-        let list = self.list.0.iter().map(|name| (name.as_str(), "list"));
+        let list = self.list.parameters.iter().map(|name| (name.as_str(), "list"));
         for (name, by) in factors.chain(dispersions).chain(list) {
             if let Some((_, before)) = seen.iter().find(|(seen, _)| *seen == name) {
                 root.wrong(format!("'{name}' is set by {before} and by {by}"));
@@ -294,7 +296,7 @@ impl Campaign {
         if self.scenarios.is_empty() {
             self.scenarios.push((String::new(), Scene::default()));
         }
-        let rows: Vec<Option<usize>> = match self.list.1.len() {
+        let rows: Vec<Option<usize>> = match self.list.rows.len() {
             0 => vec![None],
             count => (0..count).map(Some).collect(),
         };
@@ -332,13 +334,21 @@ impl Campaign {
     fn name_of(&self, cell: &Cell) -> String {
         let mut parts = vec![self.systems[cell.system].0.clone()];
         parts.push(self.replacements[cell.replacement].name.clone());
-        parts.push(self.scenarios[cell.scenario].0.clone());
+        parts.extend(self.conditions(cell));
+        parts.retain(|part| !part.is_empty());
+        parts.join("/")
+    }
+
+    /// Under which conditions the alternatives of a cell are compared: its scenario, the levels of
+    /// its factors, its row of the list.
+    pub(super) fn conditions(&self, cell: &Cell) -> Vec<String> {
+        let mut parts = vec![self.scenarios[cell.scenario].0.clone()];
         for ((name, values), level) in self.factors.iter().zip(&cell.levels) {
             parts.push(format!("{name}={}", values[*level]));
         }
-        parts.extend(cell.row.map(|row| format!("row {}", row + 1)));
+        parts.extend(cell.row.map(|row| self.list.labels[row].clone()));
         parts.retain(|part| !part.is_empty());
-        parts.join("/")
+        parts
     }
 
     /// The total number of runs.
@@ -389,7 +399,7 @@ impl Campaign {
     /// Names of the parameters that differ from run to run or from cell to cell, without seeds.
     pub(super) fn inputs(&self) -> impl Iterator<Item = &str> {
         let factors = self.factors.iter().map(|(name, _)| name.as_str());
-        let list = self.list.0.iter().map(String::as_str);
+        let list = self.list.parameters.iter().map(String::as_str);
         factors.chain(list).chain(self.dispersions.iter().map(|(name, _)| name.as_str()))
     }
 
@@ -402,7 +412,8 @@ impl Campaign {
             lines.push(format!("seeds = {}", self.seeds));
         }
         lines.extend(self.cells.iter().map(|cell| format!("cell {}", cell.name)));
-        lines.extend(self.list.1.iter().map(|row| format!("list {:?} = {row:?}", self.list.0)));
+        let List { parameters, rows, .. } = &self.list;
+        lines.extend(rows.iter().map(|row| format!("list {parameters:?} = {row:?}")));
         lines.extend(self.dispersions.iter().map(|(n, d)| format!("dispersion {n} = {d:?}")));
         lines.extend(self.start_values.iter().map(|(n, v)| format!("start value {n} = {v}")));
         let scenes = self.scenarios.iter().filter(|(_, scene)| !scene.start_values.is_empty());
@@ -421,7 +432,11 @@ impl Campaign {
         lines.extend(
             self.summarized().iter().map(|(name, figure)| format!("figure {name} = {figure:?}")),
         );
-        lines.push(format!("over time = {:?}", self.over_time));
+        let axes = |over: &OverTime| (over.figure.clone(), over.axes.unwrap_or(0));
+        let over_time: Vec<(String, usize)> = self.over_time.iter().map(axes).collect();
+        lines.push(format!("over time = {over_time:?}"));
+        let every = |over: &OverTime| format!("figure {} every {} s", over.figure, over.every);
+        lines.extend(self.over_time.iter().map(every));
         lines
     }
 }
@@ -432,8 +447,8 @@ pub(super) fn read_figures(root: &Table<'_>) -> Vec<(String, Figure)> {
 }
 
 /// The name of a figure at an instant.
-pub(super) fn at_instant(name: &str, instant: f64) -> String {
-    format!("{name}@{instant}")
+fn at_instant(name: &str, more: &str, instant: f64) -> String {
+    format!("{name}{more}@{instant}")
 }
 
 fn counted_seeds(root: &Table<'_>) -> Vec<(String, [u64; 2])> {
@@ -477,30 +492,6 @@ fn conditions(root: &Table<'_>) -> Vec<Condition> {
     let texts = root.texts("stop-when").into_iter();
     let read = texts.filter_map(|text| text.parse().map_err(|e: String| root.wrong(e)).ok());
     read.collect()
-}
-
-/// A list of parameters: names in the first line of a CSV file, values in the others.
-fn read_list(file: &Path, text: &str) -> Result<(Vec<String>, Vec<Vec<String>>)> {
-    let cells = |line: &str| -> Vec<String> {
-        line.split(',').map(|cell| cell.trim().trim_matches('"').to_owned()).collect()
-    };
-    let mut lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
-    let names = lines.next().map(|(_, line)| cells(line)).unwrap_or_default();
-    let (mut rows, mut problems) = (Vec::new(), Vec::new());
-    for (number, line) in lines {
-        let row = cells(line);
-        if row.len() == names.len() {
-            rows.push(row);
-        } else {
-            let what = format!("{} values, and {} names", row.len(), names.len());
-            problems.push(Error::new(Code::Campaign, what).at_line(file, number + 1));
-        }
-    }
-    if rows.is_empty() && problems.is_empty() {
-        problems.push(Error::new(Code::Campaign, "the list is empty").at(file));
-    }
-    Error::all(problems)?;
-    Ok((names, rows))
 }
 
 #[cfg(test)]

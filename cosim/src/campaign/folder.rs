@@ -46,6 +46,12 @@ struct Manifest {
 
 const MANIFEST: &str = "campaign.json";
 const LOG: &str = "runs.jsonl";
+const TABLE: &str = "runs.parquet";
+/// What else a campaign, its reports and its shards leave in a folder.
+const OTHERS: [&str; 6] =
+    ["runs.csv", "summary.json", "junit.xml", "changes.json", "report.html", "trajectories"];
+/// The names of the folders of shards begin with this.
+const SHARD: &str = "shard-";
 
 impl Folder {
     /// The results of a campaign with this identity: new ones, or existing ones. Those of another
@@ -64,7 +70,8 @@ impl Folder {
         })?;
         let manifest = path.join(MANIFEST);
         if manifest.exists() {
-            fits(&Manifest::read(&path)?.identity, identity, &path)?;
+            let fit = fits(&Manifest::read(&path)?.identity, identity, &path);
+            fit.map_err(|e| e.help("undo the change, or choose another --output-dir"))?;
         }
         let mut folder = Self { path, log, synced: Instant::now(), rows: Vec::new() };
         folder.read_log()?;
@@ -179,7 +186,7 @@ impl Folder {
         let parquet = table::parquet(campaign, &self.rows, identity).map_err(|e| {
             Error::new(Code::Output, "the table of runs cannot be made").at(&self.path).why(e)
         })?;
-        self.write("runs.parquet", parquet)?;
+        self.write(TABLE, parquet)?;
         if csv {
             self.write("runs.csv", table::csv(campaign, &self.rows))?;
         }
@@ -203,6 +210,38 @@ fn logged(path: &Path) -> Result<Vec<Row>> {
     let read = File::open(&file).and_then(|log| read_rows(log, |_, row| rows.extend(row)));
     read.map_err(|e| Error::new(Code::Results, "the rows cannot be read").at(&file).why(e))?;
     Ok(rows)
+}
+
+/// What is missing in a folder in which no campaign can be read; `None` if it is another folder.
+pub(super) fn missing(path: &Path) -> Option<Vec<String>> {
+    let entries = std::fs::read_dir(path).ok()?.filter_map(std::result::Result::ok);
+    let names = entries.map(|entry| entry.file_name().to_string_lossy().into_owned());
+    let names: Vec<String> = names.collect();
+    let has = |wanted: &str| names.iter().any(|name| name == wanted);
+    let own = [MANIFEST, LOG, TABLE];
+    let shards = names.iter().filter(|name| name.starts_with(SHARD)).count();
+    let others = names.iter().filter(|name| OTHERS.contains(&name.as_str())).count();
+    if shards + others < names.len() && !own.into_iter().any(has) {
+        return None;
+    }
+    let mut notes = Vec::new();
+    if names.is_empty() {
+        notes.push("the folder is empty: cosim campaign writes results into it".to_owned());
+    }
+    if shards > 0 {
+        notes.push("its shards are not merged: cosim campaign --merge merges them".to_owned());
+    }
+    Some(notes)
+}
+
+/// What is wrong with the table of the rows in a folder.
+pub(super) fn table_note(path: &Path, rows: u64) -> Option<String> {
+    let problem = match table::runs(&path.join(TABLE)) {
+        Ok(runs) if runs == rows => return None,
+        Ok(runs) => format!("has {runs} of {rows} runs"),
+        Err(why) => format!("cannot be read: {why}"),
+    };
+    Some(format!("{TABLE} {problem}; run cosim campaign again to write it anew"))
 }
 
 /// The rows in a folder that can be read, each run once, and what cannot be read.
@@ -307,13 +346,16 @@ pub struct Contents {
 }
 
 impl Contents {
-    /// The campaign from its file, or as it was if that cannot be read; this is noted.
-    pub(super) fn read_campaign(&mut self) -> Result<Campaign> {
-        Campaign::read(&self.campaign).or_else(|problem| {
+    /// The campaign from its file, or as it was if that cannot be read or is another campaign now;
+    /// this is noted.
+    pub(super) fn read_campaign(&mut self, path: &Path) -> Result<Campaign> {
+        let fitting = |campaign: Campaign| self.fit(&campaign, path).map(|()| campaign);
+        Campaign::read(&self.campaign).and_then(fitting).or_else(|problem| {
             if self.text.is_empty() {
                 return Err(problem);
             }
             let was = Campaign::parse_with(&self.text, &self.campaign, self.list.as_deref())?;
+            self.fit(&was, path)?;
             let why = problem.line();
             self.notes
                 .push(format!("the campaign is shown as it was when its runs were made: {why}"));
@@ -322,7 +364,7 @@ impl Contents {
     }
 
     /// Fails with the first differences if they belong to another campaign than this file.
-    pub(super) fn fit(&self, campaign: &Campaign, path: &Path) -> Result<()> {
+    fn fit(&self, campaign: &Campaign, path: &Path) -> Result<()> {
         // Hashes of files decide whether runs can be repeated, not what their rows mean.
         let hash = |text: &str| text.len() == 64 && text.bytes().all(|b| b.is_ascii_hexdigit());
         let of_file = |line: &&String| {
@@ -360,8 +402,7 @@ fn fits(before: &[String], now: &[String], path: &Path) -> Result<()> {
     };
     Err(Error::new(Code::Campaign, "the existing results belong to another campaign")
         .at(path)
-        .why(format!("they were made with: {}. Now: {}", shown(gone), shown(new)))
-        .help("undo the change, or choose another --output-dir"))
+        .why(format!("they were made with: {}. Now: {}", shown(gone), shown(new))))
 }
 
 #[cfg(test)]

@@ -4,10 +4,11 @@ use std::collections::HashMap;
 
 use serde::Serialize;
 
+use super::file::OverTime;
 use super::statistics::{Answer, Estimate, decide, quantile};
 use super::{Campaign, Row, Status};
 use crate::names;
-use crate::report::chi_square_quantile;
+use crate::report::{self, chi_square_quantile};
 
 /// The result of the evaluation.
 #[derive(Debug, Serialize)]
@@ -25,6 +26,25 @@ pub struct Judgement {
     pub compared: Vec<Compared>,
     /// Normalised errors squared over time, averaged over the runs of a cell.
     pub consistency: Vec<Consistency>,
+    /// Errors over time, with their claimed standard deviations.
+    pub errors: Vec<Errors>,
+}
+
+/// The errors of the runs of a cell at an instant.
+#[derive(Debug, Serialize)]
+pub struct Errors {
+    /// The cell.
+    pub cell: String,
+    /// The figure.
+    pub figure: String,
+    /// The instant (s).
+    pub time: f64,
+    /// Runs that reach it.
+    pub runs: usize,
+    /// The quantiles 5, 25, 50, 75 and 95 %.
+    pub quantiles: [f64; 5],
+    /// The median of the claimed standard deviations.
+    pub sigma: f64,
 }
 
 /// The mean of a normalised error or innovation squared over the runs of a cell at an instant
@@ -110,6 +130,7 @@ impl Judgement {
             verdicts: Vec::new(),
             compared: Vec::new(),
             consistency: Vec::new(),
+            errors: Vec::new(),
         };
         for (cell, rows) in cells.iter().enumerate() {
             for (place, (figure, _)) in campaign.summarized().iter().enumerate() {
@@ -126,6 +147,7 @@ impl Judgement {
             judgement.verdicts.extend(verdicts(campaign, cell, rows));
             judgement.compared.extend(compared(campaign, cell, &cells));
             judgement.consistency.extend(consistency(campaign, cell, rows));
+            judgement.errors.extend(errors(campaign, cell, rows));
         }
         judgement
     }
@@ -217,22 +239,47 @@ fn compared(campaign: &Campaign, cell: usize, cells: &[Vec<&Row>]) -> Vec<Compar
     figures.collect()
 }
 
+/// Each instant of the figures over time: the figure, the time (s), and its position in the rows.
+fn instants(campaign: &Campaign) -> impl Iterator<Item = (&OverTime, f64, usize)> {
+    campaign.over_time.iter().flat_map(move |over| {
+        let at = over.instants.iter();
+        at.filter_map(move |place| Some((over, campaign.figures[*place].1.instant()?, *place)))
+    })
+}
+
+/// The values of a figure in the runs that have it.
+fn known(rows: &[&Row], place: usize) -> Vec<f64> {
+    rows.iter().map(|row| row.figure(place)).filter(|value| !value.is_nan()).collect()
+}
+
 fn consistency(campaign: &Campaign, cell: usize, rows: &[&Row]) -> Vec<Consistency> {
-    let instants = campaign.figures.iter().enumerate();
-    let of = |(place, (name, figure)): (usize, &(String, super::figure::Figure))| {
-        let time = figure.instant()?;
-        let of = |known: &&(String, usize)| *name == super::file::at_instant(&known.0, time);
-        let (base, axes) = campaign.over_time.iter().find(of)?;
-        let values = rows.iter().map(|row| row.figure(place)).filter(|value| !value.is_nan());
-        let values: Vec<f64> = values.collect();
+    let of = |(over, time, place): (&OverTime, f64, usize)| {
+        let (axes, values) = (over.axes?, known(rows, place));
         let count = values.len() as f64;
-        let freedom = count * *axes as f64;
+        let freedom = count * axes as f64;
         let band = [0.025, 0.975].map(|p| chi_square_quantile(p, freedom) / count);
         let mean = values.iter().sum::<f64>() / count;
-        let (cell, figure) = (campaign.cell_name(cell).to_owned(), base.clone());
+        let (cell, figure) = (campaign.cell_name(cell).to_owned(), over.figure.clone());
         Some(Consistency { cell, figure, time, runs: values.len(), mean, band })
     };
-    instants.filter_map(of).collect()
+    instants(campaign).filter_map(of).collect()
+}
+
+fn errors(campaign: &Campaign, cell: usize, rows: &[&Row]) -> Vec<Errors> {
+    let of = |(over, time, place): (&OverTime, f64, usize)| {
+        let mut values = known(rows, place);
+        values.sort_by(f64::total_cmp);
+        Errors {
+            cell: campaign.cell_name(cell).to_owned(),
+            figure: over.figure.clone(),
+            time,
+            runs: values.len(),
+            quantiles: [0.05, 0.25, 0.5, 0.75, 0.95]
+                .map(|p| report::quantile_of_sorted(&values, p)),
+            sigma: report::quantile(&known(rows, place + 1), 0.5),
+        }
+    };
+    instants(campaign).filter(|(over, ..)| over.axes.is_none()).map(of).collect()
 }
 
 #[cfg(test)]
@@ -281,6 +328,30 @@ mod tests {
         assert_eq!(verdicts[3], ("a/two", Answer::Fail, 4));
         assert!(matches!(verdicts[4], ("a/two", Answer::Undecided(_), 1)), "{:?}", verdicts[4]);
         assert_eq!((judgement.runs, judgement.failed), (80, 1));
+    }
+
+    #[test]
+    fn errors_over_time_are_quantiles_of_the_runs_that_reach_an_instant() {
+        let text = "seeds = 101\nstop-time = 2\n[systems]\na = 'a.ssd'\n[figures.f]\nkind = 'error'\n\
+                    of = 'x'\nsigma = 's'\nevery = 1\n[figures.g]\nkind = 'max'\nof = 'x'\n";
+        let campaign = Campaign::parse(text, Path::new("/c/c.toml")).unwrap();
+        let names: Vec<&str> = campaign.figures().collect();
+        assert_eq!(names, ["f", "g", "f@1", "f.sigma@1", "f@2", "f.sigma@2"]);
+        let row = |run: u64| {
+            let mut row = Row::without_figures(run, Status::Ok, "");
+            let late = if run < 100 { f64::NAN } else { 7.0 };
+            let values = [0.0, 0.0, run as f64 - 50.0, 0.1 * run as f64, late, late];
+            row.figures = values.map(Number).into();
+            row
+        };
+        let rows: Vec<Row> = (0..101).map(row).collect();
+        let judgement = Judgement::new(&campaign, &rows);
+        let [first, second] = &judgement.errors[..] else { panic!() };
+        assert_eq!((first.time, first.runs, first.sigma), (1.0, 101, 5.0));
+        assert_eq!(first.quantiles, [-45.0, -25.0, 0.0, 25.0, 45.0]);
+        assert_eq!((second.time, second.runs, second.quantiles), (2.0, 1, [7.0; 5]));
+        assert!(judgement.consistency.is_empty());
+        assert_eq!(judgement.figures.len(), 2);
     }
 
     #[test]

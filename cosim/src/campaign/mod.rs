@@ -24,7 +24,7 @@ pub use bench::Bench;
 pub use change::{Change, Meaning, changes};
 pub use file::Campaign;
 pub use folder::{Contents, Folder};
-pub use judgement::{Compared, Consistency, FigureOfCell, Judgement, Verdict};
+pub use judgement::{Compared, Consistency, Errors, FigureOfCell, Judgement, Verdict};
 pub use keep::kept;
 pub use report::{Report, report};
 pub use row::{Number, Row, RowDigest, Status};

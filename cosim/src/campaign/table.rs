@@ -1,7 +1,11 @@
 //! The rows of a campaign as tables: Parquet and CSV, one row per run, in the order of the runs.
 
+use std::fs::File;
+use std::path::Path;
+
 use parquet::data_type::ByteArray;
 use parquet::errors::Result as Written;
+use parquet::file::reader::{FileReader, SerializedFileReader};
 
 use super::row::Number;
 use super::{Campaign, Row};
@@ -15,6 +19,13 @@ fn in_order<'r>(campaign: &Campaign, rows: &'r [Row]) -> Vec<&'r Row> {
     let mut rows: Vec<&Row> = rows.iter().filter(|row| row.run < campaign.runs()).collect();
     rows.sort_by_key(|row| row.run);
     rows
+}
+
+/// How many runs a table has, or why it cannot be read.
+pub(super) fn runs(file: &Path) -> Result<u64, String> {
+    let file = File::open(file).map_err(|e| e.to_string())?;
+    let reader = SerializedFileReader::new(file).map_err(|e| e.to_string())?;
+    Ok(reader.metadata().file_metadata().num_rows() as u64)
 }
 
 /// As Parquet; `identity` is stored with it.

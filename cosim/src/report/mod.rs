@@ -41,6 +41,7 @@ pub use page::{Block, Page, Section};
 pub use results::{Options, Picture, html, picture};
 pub use run::{Choice, Estimate};
 pub use select::{Plot, XyPlot};
+pub(crate) use statistics::quantile_of_sorted;
 pub use statistics::{chi_square_quantile, mean, quantile, root_mean_square};
 pub use style::Role;
 pub use table::Table;
@@ -49,5 +50,5 @@ pub use units::Units;
 #[cfg(feature = "live")]
 pub(crate) use document::live_page;
 pub(crate) use document::{Document, Term, run_terms};
-pub(crate) use numbers::Numbers;
+pub(crate) use numbers::{Numbers, rounded};
 pub(crate) use run::{Shown as ShownAs, Trace, freedom};

@@ -35,15 +35,15 @@ fn of_campaign(campaign: &Campaign) -> Result<Vec<(Case, u64)>> {
     Ok(cases)
 }
 
-/// The kind of a run, from the name of its cell: `paper/dynamic/BE1/row 1`.
+/// The kind of a run, from the name of its cell: `paper/dynamic/BE1/fix 1.5 m`.
 fn case(campaign: &Campaign, run: u64) -> Result<Case> {
     let cell = campaign.cell_name(campaign.cell_of(run));
     let found = || -> Option<Case> {
-        let [_, filter, course, row] = cell.split('/').collect::<Vec<_>>()[..] else { return None };
+        let [_, filter, course, fix] = cell.split('/').collect::<Vec<_>>()[..] else { return None };
         let filter = Filter::ALL.into_iter().find(|known| known.name() == filter)?;
         let course = Course::ALL.into_iter().find(|known| known.name() == course)?;
-        let row: usize = row.strip_prefix("row ")?.parse().ok()?;
-        let fix = *Fix::ALL.get(row.checked_sub(1)?)?;
+        let named = |known: &Fix| format!("fix {} m", known.sigma()) == fix;
+        let fix = Fix::ALL.into_iter().find(named)?;
         Some(Case { course, filter, fix, seed: campaign.replicate_of(run) as u32 + 1 })
     };
     found().with_context(|| format!("{CAMPAIGN}: '{cell}' is no case of the experiment"))

@@ -150,13 +150,13 @@ impl Figure {
 }
 
 impl Take {
-    fn of(self, times: &[f64], values: &[f64]) -> f64 {
-        match self {
+    fn of(&self, times: &[f64], values: &[f64]) -> f64 {
+        match *self {
             Take::Final => values.last().copied().unwrap_or(f64::NAN),
             Take::Min => extreme(values, f64::min),
             Take::Max => extreme(values, f64::max),
             Take::Mean => mean(values),
-            Take::Rms => root_mean_square(values),
+            Take::Rms | Take::Error(_) => root_mean_square(values),
             Take::Percentile(p) if values.iter().all(|v| v.is_finite()) => {
                 quantile(values, p / 100.0)
             }
@@ -174,6 +174,13 @@ impl Take {
                 let last = values.iter().rposition(|value| value.is_nan() || *value >= bound);
                 let settled = last.map_or(Some(&times[0]), |last| times.get(last + 1));
                 settled.map_or(f64::INFINITY, |settled| settled - times[0])
+            }
+            Take::At(instant) => {
+                // The instants of a file are multiples of an interval, with rounding errors.
+                let reached = times.last().is_some_and(|last| *last >= instant - 1e-9);
+                let until = times.partition_point(|time| *time <= instant + 1e-9);
+                let last = until.checked_sub(1).filter(|_| reached);
+                last.map_or(f64::NAN, |place| values[place])
             }
         }
     }

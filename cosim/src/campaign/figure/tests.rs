@@ -5,12 +5,19 @@ use crate::error::Code;
 use crate::observe::Recording;
 use crate::table::Document;
 
-fn compute(text: &str, columns: &[(&str, &[f64])]) -> f64 {
+fn read(text: &str) -> Figure {
     let document = Document::new(text, std::path::Path::new("c.toml"), Code::Scenario);
     let parsed = document.parse().unwrap();
     let figure = Figure::read(&document.root(&parsed));
     document.finish().unwrap();
-    let figure = figure.unwrap();
+    figure.unwrap()
+}
+
+fn compute(text: &str, columns: &[(&str, &[f64])]) -> f64 {
+    of_figure(&read(text), columns)
+}
+
+fn of_figure(figure: &Figure, columns: &[(&str, &[f64])]) -> f64 {
     let names = columns.iter().map(|(name, _)| (*name).to_owned()).collect();
     let time = (0..columns[0].1.len()).map(|row| row as f64 * 0.5).collect();
     let values = columns.iter().map(|(_, values)| values.to_vec()).collect();
@@ -89,4 +96,34 @@ fn errors_beside_the_way_beyond_their_deviation_and_correlated_are_found() {
     assert_eq!(of("kind = 'beyond'\nsigma = 's'\nsigmas = 1.5"), 3.0 / 8.0);
     let white = compute("kind = 'whiteness'\ninnovation = 'v'\ncount = 'c'", columns);
     assert_eq!(white, -2.0 / 2.0 * 2.0_f64.sqrt());
+}
+
+#[test]
+fn an_error_over_time_has_a_claimed_deviation_and_ends_with_the_run() {
+    // At 0, 0.5, 1 and 1.5 s.
+    let columns: &[(&str, &[f64])] = &[
+        ("t", &[0.0, 1.0, 2.0, 3.1]),
+        ("e", &[1.0, -1.0, 2.5, -3.1]),
+        ("s", &[1.0, 2.0, 3.0, 4.0]),
+    ];
+    let text =
+        "kind = 'error'\nof = 'e'\nminus = 't'\nsigma = '2 * {s}'\nangle = true\nevery = 0.5\n";
+    let figure = read(text);
+    let turn = 6.2 - std::f64::consts::TAU;
+    let wanted = ((1.0 + 4.0 + 0.25 + turn * turn) / 4.0).sqrt();
+    assert!((of_figure(&figure, columns) - wanted).abs() < 1e-12);
+    let at = |figure: &Figure, instant: f64| {
+        let both = figure.at(instant);
+        assert_eq!(both.iter().map(|(more, _)| *more).collect::<Vec<_>>(), ["", ".sigma"]);
+        both.iter().map(|(_, figure)| of_figure(figure, columns)).collect::<Vec<_>>()
+    };
+    assert_eq!(at(&figure, 0.5), [-2.0, 4.0]);
+    assert_eq!(at(&figure, 0.9), [-2.0, 4.0]);
+    // 3 * 0.5 may be a little less or more.
+    assert!((at(&figure, 1.5 - 1e-12)[0] + turn).abs() < 1e-12);
+    assert!(at(&figure, 2.0).iter().all(|value| value.is_nan()));
+    let part = read(&format!("{text}window = 'during'"));
+    assert_eq!(at(&part, 1.0), [0.5, 6.0]);
+    assert!(at(&part, 0.4).iter().chain(&at(&part, 1.5)).all(|value| value.is_nan()));
+    assert!(read("kind = 'rms'\nof = 'e'").at(1.0).is_empty());
 }

@@ -28,6 +28,10 @@ impl Figure {
                     Take::SettledBelow(bound) => {
                         format!("how long it takes until {of} stays below {bound}")
                     }
+                    Take::Error(sigma) => {
+                        format!("the root mean square of {of}, with the claimed sigma {sigma}")
+                    }
+                    Take::At(instant) => format!("{of} at {instant} s"),
                 }
             }
             What::Ate { poses, align, greatest } => {

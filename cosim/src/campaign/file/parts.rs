@@ -53,6 +53,19 @@ pub(in crate::campaign) struct Keep {
     pub(in crate::campaign) failed: bool,
 }
 
+/// A figure that is evaluated over time.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::campaign) struct OverTime {
+    pub(in crate::campaign) figure: String,
+    /// The interval between instants (s).
+    pub(in crate::campaign) every: f64,
+    /// The number of axes of a normalised error squared; `None` for an error, whose claimed
+    /// deviation follows it.
+    pub(in crate::campaign) axes: Option<usize>,
+    /// The position of its value at each instant among all figures.
+    pub(in crate::campaign) instants: Vec<usize>,
+}
+
 /// A scenario.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(in crate::campaign) struct Scene {

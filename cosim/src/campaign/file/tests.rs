@@ -46,3 +46,18 @@ fn every_mistake_is_reported_at_once_with_its_line() {
         assert!(found.iter().any(named), "{line} {part}: {found:#?}");
     }
 }
+
+#[test]
+fn other_instants_are_another_campaign() {
+    let identity = |more: &str| {
+        let text = format!(
+            "stop-time = 10\n[systems]\na = 'a.ssd'\n[figures.f]\nkind = 'nis'\nnis = 'n'\n\
+             count = 'c'\n{more}"
+        );
+        read(&text).unwrap().identity()
+    };
+    let usual = identity("dimension = 2\nevery = 5");
+    assert_ne!(usual, identity("dimension = 2\nevery = 2"));
+    assert_ne!(usual, identity("dimension = 3\nevery = 5"));
+    assert_eq!(usual, identity("every = 5.0\ndimension = 2"));
+}

@@ -9,7 +9,7 @@ use super::sample::{Sample, Sampling};
 use crate::campaign::judgement::{self, Compared, Judgement, Verdict};
 use crate::campaign::statistics::Estimate;
 use crate::campaign::{Answer, Campaign, Row, Status};
-use crate::report::{Numbers, chi_square_quantile, mean, quantile};
+use crate::report::{Numbers, chi_square_quantile, mean, quantile_of_sorted};
 
 /// A cell on the page.
 #[derive(Serialize)]
@@ -20,6 +20,7 @@ pub(super) struct Cell<'a> {
     /// Position in the matrix.
     row: String,
     column: String,
+    scenario: &'a str,
     /// Values of the factors and the list.
     levels: Vec<&'a str>,
     runs: usize,
@@ -29,6 +30,8 @@ pub(super) struct Cell<'a> {
     compared: Vec<&'a Compared>,
     /// Means over the runs of normalised errors squared, over time.
     over_time: Vec<OverTime<'a>>,
+    /// Errors over time.
+    errors: Vec<Errors<'a>>,
     /// For each figure and input: Spearman's rank correlation; null if it is meaningless.
     sensitivity: Vec<Numbers>,
     failures: Vec<Failure>,
@@ -48,6 +51,16 @@ struct OverTime<'a> {
     mean: Numbers,
     low: Numbers,
     high: Numbers,
+}
+
+/// An error over time: its quantiles over the runs (5, 25, 50, 75, 95 %), and three times the median
+/// of the claimed standard deviations.
+#[derive(Serialize)]
+struct Errors<'a> {
+    figure: &'a str,
+    t: Numbers,
+    quantiles: [Numbers; 5],
+    three_sigma: Numbers,
 }
 
 /// A figure in a cell.
@@ -116,7 +129,7 @@ impl<'a> Source<'a> {
         let (row, column) = self.place(cell);
         let levels = campaign.factors.iter().zip(&own.levels);
         let levels = levels.map(|((_, values), level)| values[*level].as_str());
-        let listed = own.row.iter().flat_map(|row| campaign.list.1[*row].iter());
+        let listed = own.row.iter().flat_map(|row| campaign.list.rows[*row].iter());
         let rows = &self.rows[cell];
         let figures = (0..campaign.summarized().len()).map(|figure| self.figure(cell, figure));
         let also = self.also.iter().filter(|run| campaign.cell_of(**run) == cell);
@@ -127,13 +140,15 @@ impl<'a> Source<'a> {
             place: cell,
             row,
             column,
+            scenario: &campaign.scenarios[own.scenario].0,
             levels: levels.chain(listed.map(String::as_str)).collect(),
             runs: rows.len(),
             failed: rows.iter().filter(|row| row.status != Status::Ok).count(),
             figures: figures.collect(),
             verdicts: self.judgement.verdicts.iter().filter(|v| v.cell == name).collect(),
             compared: self.judgement.compared.iter().filter(|c| c.with == name).collect(),
-            over_time: self.over_time(name),
+            over_time: self.over_time(cell),
+            errors: self.errors(cell),
             sensitivity: sampling.sensitivity(rows),
             failures: failures(rows),
             sample: sampling.sample(campaign, rows, &self.main, &chosen),
@@ -152,24 +167,39 @@ impl<'a> Source<'a> {
             column =
                 if column.is_empty() { system.clone() } else { format!("{system} / {column}") };
         }
-        let mut row = vec![campaign.scenarios[own.scenario].0.clone()];
-        let levels = campaign.factors.iter().zip(&own.levels);
-        row.extend(levels.map(|((name, values), level)| format!("{name} = {}", values[*level])));
-        row.extend(own.row.map(|row| format!("row {}", row + 1)));
-        row.retain(|part| !part.is_empty());
+        let row = campaign.conditions(own);
         let row = if row.is_empty() { "all runs".to_owned() } else { row.join(", ") };
         (row, column)
     }
 
-    fn over_time(&self, cell: &str) -> Vec<OverTime<'a>> {
-        let own: Vec<&judgement::Consistency> =
-            self.judgement.consistency.iter().filter(|at| at.cell == cell).collect();
+    /// The entries of a cell in a list with the same number of entries for each.
+    fn own<T>(&self, of: &'a [T], cell: usize) -> &'a [T] {
+        let count = of.len() / self.campaign.cells();
+        &of[cell * count..(cell + 1) * count]
+    }
+
+    fn over_time(&self, cell: usize) -> Vec<OverTime<'a>> {
+        let own = self.own(&self.judgement.consistency, cell);
         let figures = own.chunk_by(|a, b| a.figure == b.figure).map(|over| OverTime {
             figure: &over[0].figure,
             t: Numbers::times(over.iter().map(|at| at.time)),
             mean: Numbers::values(over.iter().map(|at| at.mean)),
             low: Numbers::values(over.iter().map(|at| at.band[0])),
             high: Numbers::values(over.iter().map(|at| at.band[1])),
+        });
+        figures.collect()
+    }
+
+    fn errors(&self, cell: usize) -> Vec<Errors<'a>> {
+        // After all runs have ended there is nothing.
+        let own = self.own(&self.judgement.errors, cell).iter().filter(|at| at.runs > 0);
+        let own: Vec<&judgement::Errors> = own.collect();
+        let figures = own.chunk_by(|a, b| a.figure == b.figure).map(|over| Errors {
+            figure: &over[0].figure,
+            t: Numbers::times(over.iter().map(|at| at.time)),
+            quantiles: [0, 1, 2, 3, 4]
+                .map(|place| Numbers::values(over.iter().map(|at| at.quantiles[place]))),
+            three_sigma: Numbers::values(over.iter().map(|at| 3.0 * at.sigma)),
         });
         figures.collect()
     }
@@ -201,13 +231,6 @@ impl<'a> Source<'a> {
     }
 }
 
-fn quantile_of_sorted(sorted: &[f64], p: f64) -> f64 {
-    let place = p * (sorted.len() - 1) as f64;
-    // Two neighbours are enough.
-    let (below, above) = (place.floor() as usize, place.ceil() as usize);
-    quantile(&[sorted[below], sorted[above]], place - place.floor())
-}
-
 /// The figure by which runs are ordered, and whether small values are the bad ones.
 #[derive(Clone, Copy)]
 pub(super) struct Main {
@@ -218,7 +241,9 @@ pub(super) struct Main {
 impl Main {
     /// The figure of the first threshold, otherwise the first one.
     pub(super) fn of(campaign: &Campaign) -> Self {
-        let figure = campaign.verdicts.first().map_or(0, |threshold| threshold.figure);
+        // A threshold may also be on a figure at an instant, which is not shown.
+        let mut bounded = campaign.verdicts.iter().map(|threshold| threshold.figure);
+        let figure = bounded.find(|place| *place < campaign.summarized().len()).unwrap_or(0);
         Self { figure, small_is_bad: small_is_bad(campaign, figure) }
     }
 

@@ -70,25 +70,24 @@ struct Figure {
 
 /// The page of the campaign whose results are in a folder, and notes on what is missing. `more` is
 /// called before each run that is repeated, with the number of runs that are left; if it returns
-/// false, the rest is not shown. Fails if the folder holds no results, or results of another
-/// campaign than its file describes now.
+/// false, the rest is not shown. Fails if the folder is evidently not that of a campaign.
 pub fn report(
     folder: &Path,
     options: &Report,
     more: &mut dyn FnMut(usize) -> bool,
 ) -> Result<(String, Vec<String>)> {
-    let mut contents = match Folder::contents(folder) {
-        Ok(contents) => contents,
+    let read = Folder::contents(folder).and_then(|mut contents| {
+        let mut read = || contents.read_campaign(folder);
+        let both = (read()?, read()?);
+        Ok((contents, both))
+    });
+    let (mut contents, (mut campaign, mut repeated)) = match read {
+        Ok(read) => read,
         Err(problem) => return remains(folder, options, problem),
     };
-    let mut read = || {
-        let mut campaign = contents.read_campaign()?;
-        campaign.seeds = options.seeds.unwrap_or(campaign.seeds);
-        Ok::<_, Error>(campaign)
-    };
-    let (campaign, repeated) = (read()?, read()?);
+    campaign.seeds = options.seeds.unwrap_or(campaign.seeds);
+    repeated.seeds = campaign.seeds;
     contents.notes.dedup();
-    contents.fit(&campaign, folder)?;
     let mut notes = contents.notes.clone();
     let bench = shown::bench(repeated, &contents);
     let units = match &bench {
@@ -119,6 +118,8 @@ pub fn report(
         runs = made.make(&plan[..plan.len().min(most)], space, &mut cells, more);
     }
     missing(&campaign, &judgement, &mut notes);
+    let table = super::folder::table_note(folder, judgement.runs);
+    notes.extend(table.clone());
     let document = Document {
         title: options.title.clone().unwrap_or_else(|| name(&campaign)),
         question: campaign.description.clone(),
@@ -126,7 +127,7 @@ pub fn report(
         sections: options.sections.clone(),
         notes: notes.clone(),
         method: method(&campaign),
-        provenance: provenance(&campaign, &contents, folder),
+        provenance: provenance(&campaign, &contents, table.is_none().then_some(folder)),
         identity: identity(&contents),
         campaign: Some(campaign_data(&campaign, folder, &judgement, &units, main, sampling, cells)),
         runs,
@@ -254,7 +255,7 @@ fn campaign_data<'a>(
             .factors
             .iter()
             .map(|(name, _)| name.as_str())
-            .chain(campaign.list.0.iter().map(String::as_str))
+            .chain(campaign.list.parameters.iter().map(String::as_str))
             .collect(),
         inputs: sampling.inputs,
         cells,
@@ -267,7 +268,7 @@ fn name(campaign: &Campaign) -> String {
 
 fn method(campaign: &Campaign) -> Vec<Term> {
     let mut terms: Vec<Term> = campaign
-        .figures
+        .summarized()
         .iter()
         .map(|(name, f)| Term::new(format!("Figure {name}"), f.words()))
         .collect();
@@ -300,6 +301,12 @@ fn method(campaign: &Campaign) -> Vec<Term> {
              run counts as one sample; a figure is itself a mean over time, so it spreads less.",
         ),
         (
+            "Errors over time",
+            "Quantiles of the errors of all runs of the cell at each instant, 5 % to 95 % and 25 % to \
+             75 %, beside three times the median of the standard deviations that the estimator \
+             claims: 99.7 % of normal errors with these deviations are within.",
+        ),
+        (
             "Box plots",
             "Box from the 25 % to the 75 % quantile, bar at the median, whiskers at 5 % and 95 %.",
         ),
@@ -310,9 +317,10 @@ fn method(campaign: &Campaign) -> Vec<Term> {
     terms
 }
 
-fn provenance(campaign: &Campaign, contents: &Contents, folder: &Path) -> Vec<Term> {
-    let table = folder.join("runs.parquet");
-    let rest = table.exists().then(|| {
+/// What the page is from; `folder` is given if its table has all runs.
+fn provenance(campaign: &Campaign, contents: &Contents, folder: Option<&Path>) -> Vec<Term> {
+    let rest = folder.map(|folder| {
+        let table = folder.join("runs.parquet");
         let what = "has a row for each run: its parameters, figures and digest";
         Term::new("All runs", format!("{} {what}", table.display()))
     });
@@ -331,25 +339,30 @@ fn reported_by() -> Term {
     Term::new("Reported by", concat!("cosim ", env!("CARGO_PKG_VERSION")))
 }
 
-/// What the log alone says, where the folder's campaign cannot be read; an error if there is no row.
+/// What the log alone says, where the folder's campaign cannot be read; the problem if it is another
+/// folder.
 fn remains(folder: &Path, options: &Report, problem: Error) -> Result<(String, Vec<String>)> {
-    let (rows, mut notes) = super::folder::rows_alone(folder);
-    if rows.is_empty() {
-        return Err(problem);
+    let Some(mut notes) = super::folder::missing(folder) else { return Err(problem) };
+    let (rows, unread) = super::folder::rows_alone(folder);
+    let (mut sections, mut why) = (Vec::new(), problem.line());
+    if !rows.is_empty() {
+        why = format!("only the states of runs are shown: {why}");
+        let mut table = Table::new("Runs by how they ended", &["state", "runs"]);
+        let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+        rows.iter().for_each(|row| *counts.entry(row.status.word()).or_default() += 1);
+        counts
+            .into_iter()
+            .for_each(|(state, runs)| table.push([state.to_owned(), runs.to_string()]));
+        sections.push(Section { heading: "Runs".to_owned(), blocks: vec![Block::Table(table)] });
     }
-    notes.insert(0, format!("only the states of runs are shown: {}", problem.line()));
-    let mut table = Table::new("Runs by how they ended", &["state", "runs"]);
-    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
-    rows.iter().for_each(|row| *counts.entry(row.status.word()).or_default() += 1);
-    counts.into_iter().for_each(|(state, runs)| table.push([state.to_owned(), runs.to_string()]));
-    let mut section = Section::new("Runs");
-    section.blocks.push(Block::Table(table));
+    notes.push(why);
+    notes.extend(unread);
     let stem = || folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let document = Document::<()> {
         title: options.title.clone().unwrap_or_else(stem),
         question: String::new(),
         summary: Vec::new(),
-        sections: vec![section],
+        sections,
         notes: notes.clone(),
         method: Vec::new(),
         provenance: vec![reported_by()],

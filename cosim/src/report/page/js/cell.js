@@ -3,7 +3,7 @@ import { choice, el, facts, table } from "./dom.js";
 import { address, answerMore, measured, num, verdictMark, withUnit, worst } from "./format.js";
 import { boxes, labelled, scatter, shares } from "./distribution.js";
 import { Clock } from "./clock.js";
-import { timePlot } from "./timeplot.js";
+import { timePlot, timeSlider, zoomButtons } from "./timeplot.js";
 import { chosen, comparisons, thresholds } from "./overview.js";
 
 /** The command that repeats a run. */
@@ -78,8 +78,7 @@ function sensitivity(campaign, cell, figure) {
 function alongFactors(campaign, cell, figure) {
   const { name, unit } = campaign.figures[figure];
   const plots = campaign.levels.map((factor, place) => {
-    const scenario = (other) => other.row.split(", ").filter((part) => !part.startsWith(`${factor} = `)).join(", ");
-    const alike = campaign.cells.filter((other) => other.levels.every((level, i) => i === place || level === cell.levels[i]) && scenario(other) === scenario(cell));
+    const alike = campaign.cells.filter((other) => other.levels.every((level, i) => i === place || level === cell.levels[i]) && other.scenario === cell.scenario);
     const numeric = alike.every((other) => Number.isFinite(Number(other.levels[place])));
     if (!numeric || new Set(alike.map((other) => other.levels[place])).size < 2) return null;
     const lines = [...new Set(alike.map((other) => other.column))].map((column) => {
@@ -101,12 +100,33 @@ function consistency(campaign, cell) {
   return rows.length ? table("Consistency: means over the runs", ["figure", "of", "expected", "mean", "95 % of χ²", "the filter is"], rows, [0, 1, 5]) : null;
 }
 
+/** The faults of the cell, if they are the same in all its runs that are shown. */
+function commonFaults(report, cell) {
+  const own = cell.shown.map(({ run }) => report.runs[run]?.faults).filter(Boolean);
+  return own.every((faults) => JSON.stringify(faults) === JSON.stringify(own[0])) ? own[0] ?? [] : [];
+}
+
 /** Means over the runs at each instant, with the band of a consistent filter. */
-function overTime(cell) {
-  return el("div", { class: "plots" }, cell.over_time.map(({ figure, t, mean, low, high }) => timePlot({
-    title: `${figure}: mean over the runs`, unit: "1", t, steps: false, down: false,
-    lines: [{ name: "mean", role: "truth", v: mean }, { name: "95 % of χ², low", role: "signal", v: low }, { name: "high", role: "signal", v: high }],
-  }, new Clock(t[0], t.at(-1)), [])));
+function meansOf({ figure, t, mean, low, high }) {
+  return { title: `${figure}: mean over the runs`, unit: "1", t, lines: [{ name: "mean", role: "truth", v: mean },
+    { name: "95 % of χ², low", role: "signal", v: low }, { name: "high", role: "signal", v: high }] };
+}
+
+/** Quantiles of the errors of all runs at each instant, and the deviation that the estimator claims. */
+function errorsOf({ figure, t, quantiles, three_sigma: v }, { figures }) {
+  const lines = ["5 % of the runs", "25 %", "median", "75 %", "95 %"].map((name, i) => ({ name, role: i === 2 ? "truth" : "edge", v: quantiles[i] }));
+  const { unit } = figures.find(({ name }) => name === figure);
+  return { title: `${figure}: errors of the runs`, unit, t, lines, fills: [[0, 4], [1, 3]], band: { name: "± 3 σ claimed, median", v } };
+}
+
+function overTime(report, cell) {
+  const all = [...cell.over_time, ...cell.errors];
+  if (all.length === 0) return null;
+  const clock = new Clock(Math.min(...all.map(({ t }) => t[0])), Math.max(...all.map(({ t }) => t.at(-1))));
+  const faults = commonFaults(report, cell);
+  const plots = [...cell.over_time.map(meansOf), ...cell.errors.map((errors) => errorsOf(errors, report.campaign))];
+  return [el("h2", {}, "Over time"), timeSlider(clock), zoomButtons(clock),
+    el("div", { class: "plots" }, plots.map((plot) => timePlot({ steps: false, down: false, ...plot }, clock, faults)))];
 }
 
 /** A line for each run that matters: those that are shown in full, then the worst. */
@@ -138,6 +158,12 @@ function failures(campaign, cell) {
   ]);
 }
 
+/** A threshold, and what would decide it. */
+function bounded({ figure, threshold, answer }) {
+  const more = answerMore(answer);
+  return `${figure}: ${threshold}${more && ` (${more})`}`;
+}
+
 export function cellView(report, cell) {
   const { campaign } = report;
   chosen.figure ??= campaign.main;
@@ -158,12 +184,12 @@ export function cellView(report, cell) {
   });
   return [
     el("h1", {}, cell.name, " "),
-    el("p", { class: "banner " + answer }, verdictMark(answer), el("span", { class: "soft" }, cell.verdicts.map((verdict) => `${verdict.figure}: ${verdict.threshold}`).join("; "), ...cell.verdicts.map((v) => answerMore(v.answer)).filter(Boolean).map((more) => ` (${more})`))),
+    el("p", { class: "banner " + answer }, verdictMark(answer), el("span", { class: "soft" }, cell.verdicts.map(bounded).join("; "))),
     facts([["Runs", String(cell.runs)], ["Failed runs", String(cell.failed)], ["Scenario", cell.row], ["Column", cell.column]]),
     cell.verdicts.length > 0 && thresholds(cell.verdicts, false),
     figures.length > 0 && table("Figures", ["figure", "what it is", "runs", "median [95 %]", "95th percentile [95 %]", "not finite"], figures, [0, 1]),
     consistency(campaign, cell),
-    cell.over_time.length > 0 && [el("h2", {}, "Consistency over time"), overTime(cell)],
+    overTime(report, cell),
     cell.failures.length > 0 && [el("h2", {}, "Failed runs"), failures(campaign, cell)],
     campaign.figures.length > 1 && el("div", { class: "controls" }, choice("Figure ", campaign.figures.map((figure) => figure.name), chosen.figure, (figure) => {
       chosen.figure = figure;

@@ -79,10 +79,11 @@ function show(first) {
 }
 
 function end() {
-  document.getElementById("end").append(
+  document.getElementById("end").append(...[
     el("h2", {}, "Method and provenance"), terms(REPORT.provenance),
-    details("Definitions", () => terms(REPORT.method)),
-    REPORT.identity.length > 0 && details("Everything that decides the runs: files with their SHA-256", () => el("pre", { tabindex: "0" }, el("code", {}, REPORT.identity.join("\n")))));
+    REPORT.method.length > 0 && details("Definitions", () => terms(REPORT.method)),
+    REPORT.identity.length > 0 && details("Everything that decides the runs: files with their SHA-256", () => el("pre", { tabindex: "0" }, el("code", {}, REPORT.identity.join("\n")))),
+  ].filter(Boolean));
 }
 
 /** On paper the end is open: it is what an audit needs. */

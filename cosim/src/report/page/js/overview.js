@@ -61,7 +61,8 @@ function matrix(campaign) {
     if (!cell) return el("td", {}, "");
     const v = value(cell);
     const answer = worst(cell.verdicts.map((verdict) => verdict.answer));
-    const link = el("a", { href: address(cell.name) }, el("span", {}, num(v, 3)), answer !== "none" && verdictMark(answer, false));
+    const spoken = [`${cell.name}: ${num(v, 3)}`, answer !== "none" && answer].filter(Boolean).join(", ");
+    const link = el("a", { href: address(cell.name), "aria-label": spoken }, el("span", {}, num(v, 3)), answer !== "none" && verdictMark(answer, false));
     const paint = () => {
       if (v == null) return;
       const [background, ink] = mix(part(v));

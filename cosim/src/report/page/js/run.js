@@ -6,7 +6,7 @@ import { num, withUnit } from "./format.js";
 import { extent, Plane } from "./plane.js";
 import { spaceOf } from "./space.js";
 import { colour, onTheme } from "./theme.js";
-import { timePlot } from "./timeplot.js";
+import { timePlot, timeSlider, zoomButtons } from "./timeplot.js";
 
 /** The radius in sigmas of an ellipse that contains 95 % of a bivariate normal distribution. */
 const HOLDS_95 = Math.sqrt(5.991464547107979);
@@ -156,16 +156,10 @@ function mapOf(map, clock) {
 
 /** A slider for the instant, and the values at that instant. */
 function instant(trace, clock) {
-  const output = el("output", { for: "time" });
-  const slider = el("input", { type: "range", id: "time", min: 0, max: 1000, step: 1, value: 0, "aria-label": "time",
-    oninput: () => clock.set(clock.start + (slider.value / 1000) * (clock.stop - clock.start)) });
   const body = el("tbody");
   const moving = (trace.map?.paths ?? []).filter((path) => path.role !== "fix");
   const truth = moving.find((path) => path.role === "truth");
   clock.onCursor((now) => {
-    if (document.activeElement !== slider) slider.value = Math.round(((now - clock.start) / (clock.stop - clock.start || 1)) * 1000);
-    output.textContent = `t = ${num(now, 6)} s`;
-    slider.setAttribute("aria-valuetext", output.textContent);
     const rows = moving.map((path) => {
       const at = (of) => (of[0] ? valueAt(trace.map.t, of[0], now) : null);
       const [north, east, depth] = [at([path.x]), at([path.y]), at([path.z])];
@@ -182,7 +176,7 @@ function instant(trace, clock) {
     active.textContent = acting.length ? `Acting now: ${acting.map(({ label }) => label).join("; ")}` : "";
   });
   const head = ["path", "north (m)", "east (m)", "depth (m)", "from truth (m)"];
-  return el("section", { "aria-label": "Instant" }, el("div", { class: "slider" }, el("label", { for: "time" }, "Time"), slider, output),
+  return el("section", { "aria-label": "Instant" }, timeSlider(clock),
     moving.length > 0 && el("div", { class: "table", tabindex: "0", role: "region", "aria-label": "Positions at this instant" },
       el("table", { id: "instant" }, el("thead", {}, el("tr", {}, head.map((name) => el("th", { scope: "col" }, name)))), body)), active);
 }
@@ -191,15 +185,6 @@ function faultList(faults, stop) {
   if (faults.length === 0) return null;
   const row = ({ label, from, until }) => [label, num(from, 6), until == null ? `${num(stop, 6)} (the end)` : num(until, 6)];
   return table("What was wrong, shaded in the plots", ["fault", "from (s)", "until (s)"], faults.map(row), [0]);
-}
-
-function zoomButtons(clock) {
-  const button = (text, what, act) => el("button", { type: "button", title: what, "aria-label": what, onclick: act }, text);
-  return el("div", { class: "controls", role: "group", "aria-label": "Part of time that plots show" },
-    el("span", {}, "Plots"), button("+", "zoom in on time", () => clock.zoom(0.5)), button("−", "zoom out of time", () => clock.zoom(2)),
-    button("←", "earlier", () => clock.zoom(1, -0.25)), button("→", "later", () => clock.zoom(1, 0.25)),
-    button("all", "show the whole run", () => clock.reset()),
-    el("span", { class: "small soft" }, "Drag in a plot to zoom, double-click for all; the cursor is common to all plots and the map."));
 }
 
 /** The value of a plot whose only curve is constant. */

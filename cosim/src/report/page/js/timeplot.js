@@ -38,12 +38,13 @@ function shadeFaults(u, faults, stop) {
 
 function lineStyle(line, place, count) {
   if (line.role === "truth") return { stroke: colour("truth"), width: 2 };
+  if (line.role === "edge") return { stroke: colour("estimate"), width: 0.75 };
   if (line.role === "estimate" && count === 1) return { stroke: colour("estimate"), width: 1.5 };
   const own = SIGNALS[place % SIGNALS.length];
   return { stroke: colour(own), width: 1.5, dash: DASHES[Math.floor(place / 2) % DASHES.length] };
 }
 
-/** Data and series of a plot: lines, then the edges of the band, then its limits. */
+/** Data and series of a plot: lines, between which `fills` are shaded, then the edges of the band, then its limits. */
 function contents(plot) {
   const value = (_, v) => (v == null ? "–" : withUnit(num(v), plot.unit));
   const paths = plot.steps ? { paths: uPlot.paths.stepped({ align: 1 }) } : {};
@@ -54,19 +55,21 @@ function contents(plot) {
     const truths = plot.lines.filter((other) => other.role === "truth").length;
     series.push({ ...quiet, label: line.name, ...lineStyle(line, line.role === "truth" ? 0 : place - truths, plot.lines.length) });
   });
-  const bands = [];
-  const bound = { ...quiet, stroke: colour("estimate"), width: 1, dash: [4, 3] };
+  const bands = (plot.fills ?? []).map(([low, high]) => ({ series: [high + 1, low + 1], fill: colour("band") }));
+  // Beside shaded lines the band is not shaded.
+  const bound = { ...quiet, stroke: colour(plot.fills ? "truth" : "estimate"), width: 1, dash: [4, 3] };
   if (plot.band) {
     const above = plot.band.v;
-    bands.push({ series: [data.length, data.length + 1], fill: colour("band") });
+    if (!plot.fills) bands.push({ series: [data.length, data.length + 1], fill: colour("band") });
     data.push(above, above.map((v) => (v == null ? null : -v)));
     series.push({ ...bound, label: plot.band.name });
-    series.push({ ...bound, label: "", class: "hidden" });
+    series.push({ ...bound, label: `${plot.band.name}, lower`, class: "hidden" });
   }
   if (plot.limits) {
-    for (const [label, v] of [[plot.limits.name, plot.limits.high], ["", plot.limits.low]]) {
+    const { name, high, low } = plot.limits;
+    for (const [label, v, hidden] of [[name, high, null], [`${name}, lower`, low, "hidden"]]) {
       data.push(plot.t.map(() => v));
-      series.push({ ...bound, stroke: colour("fault"), label, class: label ? null : "hidden" });
+      series.push({ ...bound, stroke: colour("fault"), label, class: hidden });
     }
   }
   return { data, series, bands };
@@ -176,6 +179,29 @@ export function timePlot(plot, clock, faults) {
   };
   whenSeen(canvas, build, () => u?.setSize({ width: canvas.clientWidth, height: 190 }));
   return figure;
+}
+
+/** A slider for the instant: the cursor by keyboard. */
+export function timeSlider(clock) {
+  const output = el("output", { for: "time" });
+  const slider = el("input", { type: "range", id: "time", min: 0, max: 1000, step: 1, value: 0, "aria-label": "time",
+    oninput: () => clock.set(clock.start + (slider.value / 1000) * (clock.stop - clock.start)) });
+  clock.onCursor((now) => {
+    if (document.activeElement !== slider) slider.value = Math.round(((now - clock.start) / (clock.stop - clock.start || 1)) * 1000);
+    output.textContent = `t = ${num(now, 6)} s`;
+    slider.setAttribute("aria-valuetext", output.textContent);
+  });
+  return el("div", { class: "slider" }, el("label", { for: "time" }, "Time"), slider, output);
+}
+
+/** Buttons as an alternative to dragging. */
+export function zoomButtons(clock) {
+  const button = (text, what, act) => el("button", { type: "button", title: what, "aria-label": what, onclick: act }, text);
+  return el("div", { class: "controls", role: "group", "aria-label": "Part of time that plots show" },
+    el("span", {}, "Plots"), button("+", "zoom in on time", () => clock.zoom(0.5)), button("−", "zoom out of time", () => clock.zoom(2)),
+    button("←", "earlier", () => clock.zoom(1, -0.25)), button("→", "later", () => clock.zoom(1, 0.25)),
+    button("all", "show the whole run", () => clock.reset()),
+    el("span", { class: "small soft" }, "Drag in a plot to zoom, double-click for all; all plots have one cursor."));
 }
 
 const UNSEEN = new Map();
