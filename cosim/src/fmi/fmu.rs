@@ -316,6 +316,9 @@ fn identity(path: &Path) -> Result<Identity> {
             .at(path)
             .help("pack it: run zip -r ../name.fmu * inside the folder"));
     }
+    if !metadata.is_file() {
+        return Err(Error::new(Code::File, "the FMU is not a file").at(path));
+    }
     Ok((full, metadata.len(), metadata.modified().ok()))
 }
 
