@@ -7,10 +7,14 @@ use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
 use cosim::campaign::Campaign;
-use cosim::fmi::{Fmu, archive, description};
+use cosim::fmi::{Basic, Fmu, archive, description};
+use cosim::hosted::Kept;
 use cosim::observe::is_results;
+use cosim::proxy::frames::{self, Reply, Request};
+use cosim::proxy::manifest as remote;
 use cosim::roles::Declaration;
 use cosim::scenario::Scenario;
+use cosim::scripted;
 use cosim::signals::{Signal, Signals};
 use cosim::{Overrides, Recording, Run, Snapshot, System, Time};
 use sha2::{Digest, Sha256};
@@ -212,23 +216,10 @@ fn without_checksums(bytes: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// A system that runs without an FMU.
+/// The system of functions.
 pub fn sum() -> &'static System {
     static SYSTEM: OnceLock<System> = OnceLock::new();
-    SYSTEM.get_or_init(|| {
-        let file = folder().path().join("sum.xml");
-        std::fs::write(&file, SUM).unwrap();
-        System::load(&file, &Overrides::new()).unwrap()
-    })
-}
-
-/// A snapshot of a run of it.
-pub fn state_of_sum() -> Vec<u8> {
-    let file = folder().path().join("sum.snapshot");
-    let mut keep = |snapshot: Snapshot| snapshot.write(&file);
-    let half = [Time::from_ns(500_000_000)];
-    Run::new(sum()).snapshots(None, &half, &mut keep).go().unwrap();
-    std::fs::read(&file).unwrap()
+    SYSTEM.get_or_init(|| functions(folder().path()).unwrap())
 }
 
 /// Snapshots of runs, unchanged and with a valid checksum; a run continues from those of its own
@@ -244,6 +235,46 @@ pub fn snapshot(bytes: &[u8]) {
         if let Ok(snapshot) = Snapshot::read(&file) {
             drop(Run::new(sum()).resume(&snapshot).go());
         }
+    }
+}
+
+/// What the resources of remote FMUs, and of those of Python classes, say about them.
+pub fn manifest(bytes: &[u8]) {
+    let resources = folder().path().join("manifest");
+    std::fs::create_dir_all(&resources).unwrap();
+    for name in [remote::FILE, "component.json"] {
+        std::fs::write(resources.join(name), bytes).unwrap();
+    }
+    if let Ok(read) = remote::Manifest::read(&resources) {
+        drop(read.held(&resources));
+    }
+    drop(scripted::Manifest::read(&resources));
+}
+
+/// What the library of a remote FMU and the program beside it send each other; states are in it.
+pub fn frame(bytes: &[u8]) {
+    let (mut requests, mut replies) = (bytes, bytes);
+    while frames::read::<Request>(&mut requests).is_ok() {}
+    while frames::read::<Reply>(&mut replies).is_ok() {}
+}
+
+/// The variables of an exported FMU.
+pub fn exported(bytes: &[u8]) {
+    if let Ok(mut system) = hosted(folder().path(), bytes) {
+        drop(begin(&mut system));
+        for (basic, reference) in Basic::ALL.into_iter().flat_map(|b| (0..8).map(move |r| (b, r))) {
+            drop(system.number(basic, reference));
+        }
+    }
+}
+
+/// States of an exported FMU; it continues from those that it accepts.
+pub fn kept(bytes: &[u8]) {
+    let Ok(kept) = postcard::from_bytes::<Kept>(bytes) else { return };
+    let mut system = hosted(folder().path(), INTERFACE).unwrap();
+    if system.restore(&kept).is_ok() {
+        drop(system.advance(Time::from_ns(1_000_000_000)));
+        drop(system.save());
     }
 }
 

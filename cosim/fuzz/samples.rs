@@ -2,6 +2,13 @@
 //! that the test mutates.
 
 use std::io::{Cursor, Write};
+use std::path::Path;
+
+use cosim::fmi::Message;
+use cosim::fmi::calls::{Ask, Given, Outcome, Values};
+use cosim::hosted::Hosted;
+use cosim::proxy::frames::{self, Reply, Request};
+use cosim::{Overrides, Result, Run, Snapshot, System, Time};
 
 /// An FMU shaped like those in real systems, without a binary: nothing is run.
 pub const DESCRIPTION: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
@@ -160,6 +167,35 @@ pub const SUM: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 </OspSystemStructure>
 "#;
 
+/// The variables of that system in an exported FMU (`interface.bin`, as `cosim export` writes it).
+pub const INTERFACE: &[u8] = include_bytes!("sum.bin");
+
+/// What a remote FMU says about itself.
+pub const REMOTE: &str = r#"{
+  "version": 1,
+  "guid": "{2}",
+  "fmu": "tank.fmu",
+  "sha256": "00",
+  "can_save": true,
+  "derivative": false,
+  "outputs": [1],
+  "inputs": [[0], [0], [], []]
+}
+"#;
+
+/// What an FMU of a Python class says about itself.
+pub const CLASS: &str = r#"{
+  "version": 1,
+  "guid": "{3}",
+  "class": "Tank",
+  "python": "/usr/bin/python3",
+  "rate": 10.0,
+  "inputs": ["u"],
+  "outputs": ["y"],
+  "parameters": [{"name": "area", "type": "Real", "start": 1.5}]
+}
+"#;
+
 /// Faults.
 pub const FAULTS: &str = r#"[[fault]]
 kind = "drop-out"
@@ -222,6 +258,65 @@ pub fn zip(entries: &[(&str, &[u8])]) -> Vec<u8> {
         zip.write_all(bytes).unwrap();
     }
     zip.finish().unwrap().into_inner()
+}
+
+/// The system of functions, described in a folder.
+pub fn functions(folder: &Path) -> Result<System> {
+    let file = folder.join("OspSystemStructure.xml");
+    std::fs::write(&file, SUM).unwrap();
+    System::load(&file, &Overrides::new())
+}
+
+const HALF: Time = Time::from_ns(500_000_000);
+
+/// A snapshot of a run of it.
+pub fn state_of_functions(folder: &Path) -> Vec<u8> {
+    let file = folder.join("sum.snapshot");
+    let mut keep = |snapshot: Snapshot| snapshot.write(&file);
+    let system = functions(folder).unwrap();
+    Run::new(&system).snapshots(None, &[HALF], &mut keep).go().unwrap();
+    std::fs::read(&file).unwrap()
+}
+
+/// The same system as in an exported FMU with these variables, and this folder as its resources.
+pub fn hosted(folder: &Path, interface: &[u8]) -> Result<Hosted> {
+    functions(folder)?;
+    std::fs::write(folder.join("interface.bin"), interface).unwrap();
+    Hosted::open(folder, false)
+}
+
+/// Its first half second.
+pub fn begin(system: &mut Hosted) -> Result<()> {
+    system.enter(Time::ZERO, Time::NEVER, None)?;
+    system.exit()?;
+    system.advance(HALF)
+}
+
+/// The state after that.
+pub fn state_of_hosted(folder: &Path) -> Vec<u8> {
+    let mut system = hosted(folder, INTERFACE).unwrap();
+    begin(&mut system).unwrap();
+    postcard::to_stdvec(&system.save().unwrap()).unwrap()
+}
+
+/// What the library of a remote FMU asks, and the answers.
+pub fn frames() -> Vec<Vec<u8>> {
+    let make = Request::Make { resources: "/tmp/r".into(), name: "tank".to_owned(), debug: true };
+    let set = Ask::Set(vec![0], Values::Real(vec![0.5]));
+    let calls = Request::Calls(vec![set, Ask::Step(0.0, 0.1), Ask::Restore(vec![1, 2, 3])]);
+    let given = vec![Given::Done, Given::Values(Values::Real(vec![1.5])), Given::State(vec![4])];
+    let text = |text: &str| text.to_owned();
+    let said =
+        Message { instance: text("tank"), status: 1, category: text("logAll"), text: text("dry") };
+    let done = Reply::Done(Outcome { given, trouble: None }, vec![said], vec![text("again")]);
+    let mut both = [Vec::new(), Vec::new()];
+    for request in [make, calls] {
+        frames::write(&mut both[0], &request).unwrap();
+    }
+    for reply in [Reply::Working, done, Reply::Lost(text("gone"))] {
+        frames::write(&mut both[1], &reply).unwrap();
+    }
+    both.into()
 }
 
 /// A message of a distributed run: a step with a part and values.

@@ -77,6 +77,7 @@ pub mod live;
 pub mod master;
 mod messages;
 pub mod names;
+mod nesting;
 pub mod observe;
 pub mod pace;
 pub mod proxy;

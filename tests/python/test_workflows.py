@@ -3,6 +3,7 @@
 import re
 import subprocess
 import sys
+import tomllib
 from functools import cache
 
 import pytest
@@ -92,3 +93,12 @@ def test_the_oldest_rust_is_said_once():
         text = path.read_text()
         for said in re.findall(r"Rust (1\.\d+)", text) + re.findall(r"cargo \+(1\.\d+)", text):
             assert said == oldest, f"{path.relative_to(ROOT)} says Rust {said}, Cargo.toml {oldest}"
+
+
+def test_what_is_built_elsewhere_is_what_the_lock_file_says():
+    builds = re.compile(r"cargo (?:\+\S+ )?(?:build|check|test|run|install)\b[^\n&|]*")
+    for path in WORKFLOWS:
+        for command in builds.findall(path.read_text()):
+            assert "--locked" in command, f"{path.name}: {command}"
+    alias = tomllib.loads((ROOT / ".cargo/config.toml").read_text())["alias"]["xtask"]
+    assert "--locked" in alias.split()

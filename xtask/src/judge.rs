@@ -20,7 +20,7 @@ pub(crate) fn run() -> Result<()> {
 pub(crate) fn in_rust() -> Result<()> {
     let manifest = "tests/fmi_rs/Cargo.toml";
     process::run(&mut process::cargo(&["fmt", "--check", "--manifest-path", manifest]))?;
-    let test = ["test", "--release", "--quiet", "--locked", "--manifest-path", manifest];
+    let test = ["test", "--release", "--quiet", "--manifest-path", manifest];
     process::run(process::cargo(&test).env("CARGO_TARGET_DIR", paths::target().join("fmi_rs")))
 }
 

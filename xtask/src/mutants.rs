@@ -215,6 +215,9 @@ fn copy() -> Result<PathBuf> {
     });
     fs::write(room.join("Cargo.toml"), own.collect::<Vec<_>>().join("\n"))?;
     fs::copy(root.join("Cargo.lock"), room.join("Cargo.lock"))?;
+    // The same versions of fewer packages.
+    let mut fewer = process::unlocked(&["update", "--workspace", "--offline", "--quiet"]);
+    process::run(fewer.current_dir(&room))?;
     Ok(room)
 }
 

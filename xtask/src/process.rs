@@ -35,12 +35,23 @@ pub(crate) fn output(command: &mut Command) -> Result<String> {
     String::from_utf8(output.stdout).with_context(|| format!("`{shown}` prints no text"))
 }
 
-/// `cargo` as it runs us, in the workspace root, sharing its target folder.
+/// `cargo` as it runs us, in the workspace root, sharing its target folder, with the dependencies of
+/// Cargo.lock and no others.
+pub(crate) fn cargo(arguments: &[&str]) -> Command {
+    let mut command = unlocked(&[LOCKED]);
+    command.args(arguments);
+    command
+}
+
+/// Cargo's option that fails rather than change Cargo.lock.
+pub(crate) const LOCKED: &str = "--locked";
+
+/// The same for a command that writes Cargo.lock.
 ///
 /// Without the variables that `cargo run` sets for our own package: otherwise build scripts that
 /// read them (of `ring`) would run again, and everything that needs them would be rebuilt, whenever
 /// `cargo` is called by hand in between.
-pub(crate) fn cargo(arguments: &[&str]) -> Command {
+pub(crate) fn unlocked(arguments: &[&str]) -> Command {
     let mut command = Command::new(std::env::var_os("CARGO").unwrap_or("cargo".into()));
     let own = |name: &str| name.starts_with("CARGO_PKG_") || name.starts_with("CARGO_MANIFEST_");
     for (name, _) in std::env::vars_os() {
@@ -78,7 +89,7 @@ mod tests {
 
     /// The dependencies of a selection of crates, each with its features.
     fn dependencies(selection: &[&str]) -> BTreeSet<String> {
-        let form = ["tree", "--locked", "--prefix", "none", "--format", "{p} {f}"];
+        let form = ["tree", "--prefix", "none", "--format", "{p} {f}"];
         let tree = output(&mut cargo(&[&form[..], selection].concat())).unwrap();
         let foreign = tree.lines().filter(|line| !line.contains('/'));
         foreign.map(|line| line.trim_end_matches(" (*)").to_owned()).collect()

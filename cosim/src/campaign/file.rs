@@ -3,6 +3,7 @@
 mod list;
 mod parts;
 
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use self::list::List;
@@ -54,6 +55,10 @@ pub struct Campaign {
     pub(super) verdicts: Vec<Threshold>,
     pub(super) cells: Vec<Cell>,
 }
+
+/// The most runs of a campaign, and octets of what distinguishes its cells.
+const MOST_RUNS: usize = 10_000_000;
+const MOST_OF_CELLS: usize = 256 << 20;
 
 /// A sequential campaign checks its thresholds for the first time after this many seeds.
 const FIRST_LOOK: usize = 10;
@@ -185,6 +190,9 @@ impl Campaign {
         }
         campaign.verdicts =
             root.tables("verdict").iter().filter_map(|table| campaign.threshold(table)).collect();
+        if campaign.is_too_large() {
+            root.wrong(format!("there are more than {MOST_RUNS} runs, or too many cells"));
+        }
         document.finish()?;
         campaign.fill();
         Ok(campaign)
@@ -223,17 +231,34 @@ impl Campaign {
         }
     }
 
+    /// Whether its runs would take too much memory: a few factors multiply to any number.
+    fn is_too_large(&self) -> bool {
+        let several = [self.systems.len(), self.replacements.len(), self.scenarios.len()];
+        let levels = self.factors.iter().map(|(_, values)| values.len());
+        let all = several.into_iter().chain([self.list.rows.len()]).chain(levels);
+        let cells = all.fold(1_usize, |cells, count| cells.saturating_mul(count.max(1)));
+        let longest = |lengths: &mut dyn Iterator<Item = usize>| lengths.max().unwrap_or(0);
+        let names = longest(&mut self.systems.iter().map(|(name, _)| name.len()))
+            + longest(&mut self.replacements.iter().map(|replacement| replacement.name.len()))
+            + longest(&mut self.scenarios.iter().map(|(name, _)| name.len()));
+        let factor = |(name, values): &(String, Vec<String>)| {
+            name.len() + longest(&mut values.iter().map(String::len))
+        };
+        let each = size_of::<Cell>() + names + self.factors.iter().map(factor).sum::<usize>();
+        let each = each.saturating_add(2 * size_of::<usize>() * self.factors.len());
+        cells.saturating_mul(self.seeds) > MOST_RUNS || cells.saturating_mul(each) > MOST_OF_CELLS
+    }
+
     /// No parameter may be set twice.
     fn check_names(&self, root: &Table<'_>) {
-        let mut seen: Vec<(&str, &str)> = Vec::new();
+        let mut seen: HashMap<&str, &str> = HashMap::new();
         let factors = self.factors.iter().map(|(name, _)| (name.as_str(), "factors"));
         let dispersions = self.dispersions.iter().map(|(name, _)| (name.as_str(), "dispersions"));
         let list = self.list.parameters.iter().map(|name| (name.as_str(), "list"));
         for (name, by) in factors.chain(dispersions).chain(list) {
-            if let Some((_, before)) = seen.iter().find(|(seen, _)| *seen == name) {
+            if let Some(before) = seen.insert(name, by) {
                 root.wrong(format!("'{name}' is set by {before} and by {by}"));
             }
-            seen.push((name, by));
         }
         let most = Points::most(self.design);
         if self.dispersions.len() > most {

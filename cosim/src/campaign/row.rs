@@ -198,6 +198,8 @@ mod tests {
         }
         let digest: RowDigest = "0f".repeat(32).parse().unwrap();
         assert_eq!(digest.to_string(), "0f".repeat(32));
-        assert!("0g".repeat(32).parse::<RowDigest>().is_err() && "0f".parse::<RowDigest>().is_err());
+        assert!(
+            "0g".repeat(32).parse::<RowDigest>().is_err() && "0f".parse::<RowDigest>().is_err()
+        );
     }
 }

@@ -8,6 +8,7 @@
 #![allow(unsafe_code, reason = "system calls without a safe form")]
 
 use std::io::Write;
+use std::sync::Once;
 use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
 use std::time::Duration;
 
@@ -15,12 +16,15 @@ use cosim::confine::{kill_descendants, reap_descendants};
 use cosim::files;
 
 use cosim::observe::{RunInfo, Stop};
-use cosim::{Code, Observer, Result, Time};
+use cosim::{Code, Error, Observer, Result, Time};
+use rustix::process::{Signal, getppid, set_parent_process_death_signal};
 
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 /// The process in which FMUs may run, from the first library until the end.
 static WATCHED: AtomicI32 = AtomicI32::new(0);
-/// How long a run may take to its next output instant after a signal.
+/// Whether this process ends others, and then itself, after a signal.
+static PATIENT: AtomicBool = AtomicBool::new(false);
+/// How long a command may take after a signal: a run to its next output instant.
 const GRACE: Duration = Duration::from_secs(5);
 const LOOK: Duration = Duration::from_millis(50);
 
@@ -52,14 +56,58 @@ pub(crate) fn listen() {
     }
 }
 
+/// From now on, this process ends some time after a signal, whatever it does.
+pub(crate) fn hurry() {
+    static WATCH: Once = Once::new();
+    WATCH.call_once(|| {
+        std::thread::spawn(|| {
+            while !interrupted() {
+                std::thread::sleep(LOOK);
+            }
+            std::thread::sleep(GRACE);
+            if !PATIENT.load(Ordering::Relaxed) {
+                let why = "an FMU or a file took too long after a signal";
+                end(Code::Interrupted, &format!("the command was interrupted\n  why:  {why}"));
+            }
+        });
+    });
+}
+
+/// From now on, only what other processes do can take long after a signal, and those are ended.
+pub(crate) fn be_patient() {
+    PATIENT.store(true, Ordering::Relaxed);
+}
+
+/// From now on, this process gets a signal when the one that started it ends, however it ends.
+pub(crate) fn end_with_parent(signal: Signal) -> Result<()> {
+    let before = getppid();
+    set_parent_process_death_signal(Some(signal)).map_err(|why| {
+        Error::new(Code::Session, "the process cannot be tied to its parent").why(why)
+    })?;
+    if getppid() != before || before.is_none() {
+        return Err(Error::new(Code::Session, "the process that started this one is gone"));
+    }
+    Ok(())
+}
+
 unsafe extern "C" {
     /// `atexit` for `quick_exit` (C11).
     fn at_quick_exit(function: extern "C" fn()) -> libc::c_int;
 }
 
-/// From now on, FMUs run in this process: processes that they start end with it, and they cannot
-/// end it without an error message.
+/// At the beginning of a command that reads files, and then runs FMUs.
+pub(crate) fn begin() {
+    listen();
+    // An isolated process is ended by another one; it is confined without other threads.
+    if !super::isolate::is_inside() {
+        hurry();
+    }
+}
+
+/// From now on, FMUs run in this process: processes that they start end with it, they cannot end it
+/// without an error message, and a signal ends them.
 pub(crate) fn watch() {
+    begin();
     reap_descendants();
     cosim::fmi::guard_process();
     WATCHED.store(std::process::id() as i32, Ordering::Relaxed);
@@ -69,21 +117,12 @@ pub(crate) fn watch() {
         libc::atexit(ended);
         at_quick_exit(ended);
     }
-    std::thread::spawn(|| {
-        while !interrupted() {
-            std::thread::sleep(LOOK);
-        }
-        std::thread::sleep(GRACE);
-        if is_watched() {
-            let why = "an FMU did not return after a signal";
-            end(Code::Interrupted, &format!("the run was interrupted\n  why:  {why}"));
-        }
-    });
 }
 
 /// The end of the process, without what FMUs have registered for it: their functions could change
 /// the exit code, never return, or use memory that has been freed (PythonFMU 0.7).
 pub(crate) fn leave(code: u8) -> ! {
+    be_patient();
     super::isolate::leave(code);
     // If a stream is closed, there is no channel left to report it.
     drop(super::standard::out().flush());

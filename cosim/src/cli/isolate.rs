@@ -15,6 +15,7 @@ use std::os::fd::{AsRawFd, FromRawFd, OwnedFd, RawFd};
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
 use clap::Args;
@@ -73,7 +74,7 @@ pub(crate) struct Written {
 
 impl Isolation {
     pub(crate) fn wanted(&self) -> bool {
-        self.isolate && std::env::var_os(VARIABLE).is_none()
+        self.isolate && !is_inside()
     }
 
     /// Refuses rights for FMUs that are not confined, because they would have no effect.
@@ -92,24 +93,36 @@ impl Isolation {
 
     /// In the child, before FMUs are loaded: from now on, it may do no more than they may.
     pub(crate) fn shut(&self, programs: bool) -> Result<()> {
-        match inside()? {
+        match inside() {
             Some(inside) if self.isolate => {
-                confine::this_process_computes(&inside.folder, &self.allow_read, programs)
+                confine::this_process_computes(&inside.folder, &self.allow_read, programs)?;
+                interrupt::hurry();
+                Ok(())
             }
             _ => Ok(()),
         }
     }
 }
 
-fn inside() -> Result<Option<Inside>> {
-    let setup = std::env::var(VARIABLE).ok().map(|text| serde_json::from_str(&text));
-    setup.transpose().map_err(|why| failed("the child cannot read its parameters").why(why))
+/// Whether this process is an isolated one.
+pub(crate) fn is_inside() -> bool {
+    inside().is_some()
+}
+
+/// Read once: an FMU may change the environment.
+static INSIDE: OnceLock<Inside> = OnceLock::new();
+
+fn inside() -> Option<&'static Inside> {
+    INSIDE.get()
 }
 
 /// In the child, at the very start: enters namespaces and continues in one process only. Returns
 /// the exit status if this process is not the one that continues.
 pub(crate) fn enter() -> Result<Option<i32>> {
-    let Some(inside) = inside()? else { return Ok(None) };
+    let Ok(text) = std::env::var(VARIABLE) else { return Ok(None) };
+    let read: Inside = serde_json::from_str(&text)
+        .map_err(|why| failed("the child cannot read its parameters").why(why))?;
+    let inside = INSIDE.get_or_init(|| read);
     let kept: Vec<RawFd> =
         inside.given.iter().map(|(_, file)| *file).chain([inside.done]).collect();
     confine::close_inherited(&kept);
@@ -118,13 +131,13 @@ pub(crate) fn enter() -> Result<Option<i32>> {
         Apart::Inside(apart) => apart,
     };
     confine::this_process_writes(&inside.folder, apart)?;
-    files::give(inside.given, inside.folder);
+    files::give(inside.given.clone(), inside.folder.clone());
     Ok(None)
 }
 
 /// In the child, at its end: announces that its exit code is intended.
 pub(crate) fn leave(code: u8) {
-    if let Ok(Some(inside)) = inside() {
+    if let Some(inside) = inside() {
         // SAFETY: the descriptor was made for this purpose only.
         let mut done = unsafe { File::from_raw_fd(inside.done) };
         drop(done.write_all(&[code]));
@@ -137,6 +150,7 @@ fn failed(what: &str) -> Error {
 
 /// Runs the child to its end; its errors have been reported when this returns its exit code.
 pub(crate) fn supervise(written: Written, programs: bool) -> Result<u8> {
+    interrupt::be_patient();
     if let Some(why) = confine::unconfined() {
         return Err(failed("this kernel cannot confine it").why(why).help("run without --isolate"));
     }

@@ -27,7 +27,6 @@ pub(crate) struct Replay {
 
 impl Replay {
     pub(crate) fn run(self) -> Result<()> {
-        interrupt::listen();
         interrupt::watch();
         let bench = Bench::open(Campaign::read(Folder::campaign(&self.folder)?)?)?;
         let row = Folder::row(&self.folder, self.run, &bench.identity()?)?;

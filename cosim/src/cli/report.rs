@@ -139,7 +139,6 @@ impl Report {
             let what = format!("{option} applies to the results of one run, but a folder is given");
             return Err(Error::new(Code::Usage, what).at(&self.results));
         }
-        interrupt::listen();
         interrupt::watch();
         let style =
             ProgressStyle::with_template("{wide_bar} {pos}/{len} runs repeated, {eta} left");

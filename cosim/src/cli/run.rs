@@ -38,7 +38,7 @@ impl Run {
     }
 
     pub(crate) fn run(self) -> Result<u8> {
-        interrupt::listen();
+        interrupt::begin();
         problems::reported(self.output.format, self.computed())
     }
 
@@ -64,8 +64,9 @@ impl Run {
             return isolate::supervise(written, self.changes.starts_tools());
         }
         self.logging.begin()?;
-        if cluster.is_none() {
-            interrupt::watch();
+        match &cluster {
+            Some(_) => interrupt::be_patient(),
+            None => interrupt::watch(),
         }
         let shut = || self.isolation.shut(self.changes.starts_tools());
         self.output.run(&system, cluster.as_ref(), &shut).map(|()| 0)

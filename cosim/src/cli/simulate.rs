@@ -55,7 +55,7 @@ pub(crate) struct Simulate {
 
 impl Simulate {
     pub(crate) fn run(self) -> Result<u8> {
-        interrupt::listen();
+        interrupt::begin();
         problems::reported(self.output.format, self.computed())
     }
 

@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 use cosim::distributed::{Allowed, DEFAULT_ENDPOINT, Order, Ours, serve_group};
-use cosim::{Code, Error, Result, distributed};
+use cosim::{Code, Result, distributed};
+use rustix::process::Signal;
 
 use super::distributed::Reach;
 use super::interrupt;
@@ -127,7 +128,7 @@ pub(crate) struct Group {
 impl Worker {
     pub(crate) fn run(self) -> Result<()> {
         if self.with_parent {
-            end_with_parent()?;
+            interrupt::end_with_parent(Signal::KILL)?;
         }
         let ours = self.reach.ours()?;
         let connect = self.connect.or_else(|| ours.connect.clone());
@@ -206,7 +207,7 @@ fn serve_again(worker: &distributed::Worker, ended: &(dyn Fn() -> bool + Sync)) 
 
 impl Group {
     pub(crate) fn run(self) -> Result<()> {
-        end_with_parent()?;
+        interrupt::end_with_parent(Signal::KILL)?;
         distributed::close_inherited(&[]);
         cosim::fmi::guard_process();
         let order = Order { run: self.run, group: self.group, generation: self.generation };
@@ -215,17 +216,4 @@ impl Group {
         let readable = (!self.lent.no_confine).then_some(&self.lent.allow_read[..]);
         serve_group(&access, &self.worker, &order, allowed, readable)
     }
-}
-
-/// Processes started for another one must not outlive it, however it ends.
-fn end_with_parent() -> Result<()> {
-    use rustix::process::{Signal, getppid, set_parent_process_death_signal};
-    let before = getppid();
-    set_parent_process_death_signal(Some(Signal::KILL)).map_err(|why| {
-        Error::new(Code::Session, "the process cannot be tied to its parent").why(why)
-    })?;
-    if getppid() != before || before.is_none() {
-        return Err(Error::new(Code::Session, "the process that started this one is gone"));
-    }
-    Ok(())
 }

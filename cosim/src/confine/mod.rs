@@ -6,8 +6,9 @@
 //!   folder is written, TCP connects only to the port of the coordinator, and signals reach no
 //!   outside process;
 //! * limits of memory, files and their sizes (`limits`);
-//! * for the thread that computes, and for those that FMUs start: no TCP at all, and only programs,
-//!   libraries and explicitly readable files are read;
+//! * for all threads: only programs, libraries and explicitly readable files are read; on workers
+//!   also the files needed to reach the coordinator, except by the thread that computes and those
+//!   that FMUs start, which have no TCP at all;
 //! * a system call filter for all threads (`calls`): no permissions, owners or times of files are
 //!   changed, no sockets opened, no programs started, no processes stopped.
 //!
@@ -21,8 +22,8 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use landlock::{
-    ABI, Access, AccessFs, AccessNet, CompatLevel, Compatible, NetPort, PathBeneath, PathFd,
-    Ruleset, RulesetAttr, RulesetCreatedAttr, Scope,
+    ABI, Access, AccessFs, AccessNet, BitFlags, CompatLevel, Compatible, NetPort, PathBeneath,
+    PathFd, Ruleset, RulesetAttr, RulesetCreated, RulesetCreatedAttr, Scope,
 };
 
 use crate::error::{Code, Error, Result};
@@ -89,6 +90,16 @@ const READABLE: [&str; 22] = [
 const READABLE_OF_PROC: [&str; 4] =
     ["/proc/cpuinfo", "/proc/meminfo", "/proc/stat", "/proc/sys/vm/overcommit_memory"];
 
+/// What names of machines are looked up with.
+const RESOLVER: [&str; 6] = [
+    "/etc/hosts",
+    "/etc/host.conf",
+    "/etc/resolv.conf",
+    "/etc/gai.conf",
+    "/run/systemd/resolve",
+    "/sys/class/net",
+];
+
 type Attempt<T> = Result<T, Box<dyn std::error::Error>>;
 
 /// For the whole process, which writes only below `folder`, and connects only to these ports.
@@ -129,22 +140,7 @@ pub(crate) fn this_thread(
     strict: bool,
 ) -> Result<()> {
     let confine = || -> Attempt<()> {
-        let read = AccessFs::from_read(WANTED);
-        let mut rules = Ruleset::default()
-            .set_compatibility(CompatLevel::BestEffort)
-            .handle_access(read)?
-            .handle_access(AccessNet::from_all(WANTED))?
-            .create()?;
-        let own = std::env::current_exe().ok();
-        let named = READABLE.iter().chain(&READABLE_OF_PROC).map(Path::new);
-        let all = named.chain([folder]).chain(own.as_deref());
-        for path in all.chain(readable.iter().map(PathBuf::as_path)) {
-            // Paths that do not exist are not read.
-            let Ok(opened) = PathFd::new(path) else { continue };
-            let access = if path.is_dir() { read } else { AccessFs::ReadFile | AccessFs::Execute };
-            rules = rules.add_rule(PathBeneath::new(opened, access))?;
-        }
-        rules.restrict_self()?;
+        reads(folder, readable, AccessNet::from_all(WANTED))?.restrict_self()?;
         match calls::refuse(if programs { Programs::Allowed } else { Programs::Refused }) {
             // A kernel without filters: as without Landlock, this is reported and not refused.
             Err(why) if !strict && calls::is_unknown(&why) => Ok(()),
@@ -152,6 +148,50 @@ pub(crate) fn this_thread(
         }
     };
     confine().map_err(unconfined_by)
+}
+
+/// For all threads that this one will start, and itself: only libraries, files below `folder` and
+/// `readable` are read, and what is needed to reach the coordinator. An FMU can use each of them.
+pub(crate) fn all_threads_read(folder: &Path, readable: &[PathBuf]) -> Result<()> {
+    check_alone()?;
+    let readable: Vec<PathBuf> =
+        RESOLVER.iter().map(PathBuf::from).chain(readable.iter().cloned()).collect();
+    let confine = || -> Attempt<()> {
+        reads(folder, &readable, BitFlags::EMPTY)?.restrict_self()?;
+        Ok(())
+    };
+    confine().map_err(unconfined_by)
+}
+
+/// An FMU can use every thread of its process: none may exist before it is confined.
+fn check_alone() -> Result<()> {
+    match std::fs::read_dir("/proc/self/task").map_or(0, Iterator::count) {
+        1 => Ok(()),
+        threads => Err(unconfined_by(format!("there are {threads} threads").into())),
+    }
+}
+
+/// Rules by which only these, and libraries, are read.
+fn reads(
+    folder: &Path,
+    readable: &[PathBuf],
+    network: BitFlags<AccessNet>,
+) -> Attempt<RulesetCreated> {
+    let read = AccessFs::from_read(WANTED);
+    let rules =
+        Ruleset::default().set_compatibility(CompatLevel::BestEffort).handle_access(read)?;
+    let rules = if network.is_empty() { rules } else { rules.handle_access(network)? };
+    let mut rules = rules.create()?;
+    let own = std::env::current_exe().ok();
+    let named = READABLE.iter().chain(&READABLE_OF_PROC).map(Path::new);
+    let all = named.chain([folder]).chain(own.as_deref());
+    for path in all.chain(readable.iter().map(PathBuf::as_path)) {
+        // Paths that do not exist are not read.
+        let Ok(opened) = PathFd::new(path) else { continue };
+        let access = if path.is_dir() { read } else { AccessFs::ReadFile | AccessFs::Execute };
+        rules = rules.add_rule(PathBeneath::new(opened, access))?;
+    }
+    Ok(rules)
 }
 
 /// For an isolated run, at its start: it writes only below `folder`, and makes no connections. In
@@ -170,6 +210,7 @@ static APART: AtomicBool = AtomicBool::new(false);
 /// For an isolated run, before FMUs are loaded: from now on it reads only libraries, `folder` and
 /// `readable`, and starts programs only if they are wanted and end with it.
 pub fn this_process_computes(folder: &Path, readable: &[PathBuf], programs: bool) -> Result<()> {
+    check_alone()?;
     this_thread(folder, readable, programs && APART.load(Ordering::Relaxed), true)
 }
 

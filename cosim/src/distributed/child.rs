@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 use zenoh::{Session, Wait};
 
 use super::access::allowed::Allowed;
+use super::access::credentials::Credentials;
 use super::access::endpoint::Endpoint;
 use super::access::session::Access;
 use super::channels::Channels;
@@ -34,13 +35,19 @@ pub fn serve(
     allowed: Allowed,
     confined: Option<&[PathBuf]>,
 ) -> Result<()> {
-    if confined.is_some() {
+    let allowed_files = allowed.files().map(|(_, file)| file.to_owned());
+    let readable = confined.map(|named| named.iter().cloned().chain(allowed_files));
+    let readable: Option<Vec<PathBuf>> = readable.map(Iterator::collect);
+    if let Some(readable) = &readable {
         let ports =
             access.endpoints.iter().filter_map(|endpoint| match Endpoint::parse(endpoint) {
                 Ok(Endpoint::Tcp(_, port) | Endpoint::Tls(_, port)) => Some(port),
                 _ => None,
             });
         confine::process(&ports.collect::<Vec<_>>(), &std::env::temp_dir(), false)?;
+        let own = access.credentials.iter().flat_map(Credentials::own).cloned();
+        let all: Vec<PathBuf> = readable.iter().cloned().chain(own).collect();
+        confine::all_threads_read(&std::env::temp_dir(), &all)?;
     }
     let [quick, session] = access.dial_channels()?;
     let channels = Channels { quick: &quick, bulk: &session };
@@ -59,12 +66,9 @@ pub fn serve(
         std::thread::sleep(Duration::from_millis(2));
     }
     let _tokens = channels.live(&format!("{key}/alive"))?;
-    let allowed_files: Vec<PathBuf> = allowed.files().map(|(_, file)| file.to_owned()).collect();
     let fmus = Delivered::new(&session, &order.run, worker, allowed)?;
-    if let Some(readable) = confined {
-        let held = allowed_files;
-        let readable: Vec<PathBuf> = readable.iter().cloned().chain(held).collect();
-        confine::this_thread(&std::env::temp_dir(), &readable, false, false)?;
+    if let Some(readable) = &readable {
+        confine::this_thread(&std::env::temp_dir(), readable, false, false)?;
     }
     let mut host = Host::new(order.generation, Box::new(fmus));
     while let Some(message) = inbox.next(1, Duration::MAX) {

@@ -14,6 +14,7 @@ use sha2::{Digest, Sha256};
 use super::archive::{self, Room};
 use super::description::{self, Description, Interface, InterfaceType};
 use super::elf;
+use super::guard;
 use super::library::{self, Binary};
 use super::temporary::Unpacked;
 use crate::digest::sha256;
@@ -285,10 +286,13 @@ fn is_used(path: &Path) -> bool {
 
 impl Drop for Fmu {
     fn drop(&mut self) {
-        let may_run = || self.binaries.iter().filter_map(OnceLock::get).any(Binary::may_run);
-        if self.abandoned.load(Ordering::Acquire) || may_run() {
-            let binaries = std::mem::take(&mut self.binaries);
-            binaries.into_iter().filter_map(OnceLock::into_inner).for_each(Binary::leak);
+        let binaries = std::mem::take(&mut self.binaries);
+        let loaded: Vec<Binary> = binaries.into_iter().filter_map(OnceLock::into_inner).collect();
+        if self.abandoned.load(Ordering::Acquire) || loaded.iter().any(Binary::may_run) {
+            loaded.into_iter().for_each(Binary::leak);
+        } else if !loaded.is_empty() {
+            // No instance is left that could report what changed.
+            guard::around("unloading the library", || drop(loaded));
         }
     }
 }
@@ -319,6 +323,9 @@ fn identity(path: &Path) -> Result<Identity> {
         return Err(Error::new(Code::File, "the FMU is a folder")
             .at(path)
             .help("pack it: run zip -r ../name.fmu * inside the folder"));
+    }
+    if !metadata.is_file() {
+        return Err(Error::new(Code::File, "the FMU is not a file").at(path));
     }
     Ok((full, metadata.len(), metadata.modified().ok()))
 }

@@ -69,8 +69,11 @@ pub fn read<T: DeserializeOwned>(from: &mut impl Read) -> Result<T> {
     if length >= MOST {
         return Err(wrong(format!("{length} octets are not a message")));
     }
-    let mut bytes = vec![0; length as usize];
-    from.read_exact(&mut bytes)?;
+    // Only what arrives takes memory.
+    let mut bytes = Vec::new();
+    if from.take(length.into()).read_to_end(&mut bytes)? < length as usize {
+        return Err(ErrorKind::UnexpectedEof.into());
+    }
     postcard::from_bytes(&bytes).map_err(|why| wrong(why.to_string()))
 }
 

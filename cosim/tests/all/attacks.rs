@@ -29,7 +29,7 @@ enum Came {
 use Came::{Done, Ended, Refused, SetBack};
 
 /// An attack: as text, as C, and its outcome in the process, isolated, and on a worker.
-const ATTACKS: [(&str, &str, [Came; 3]); 25] = [
+const ATTACKS: [(&str, &str, [Came; 3]); 28] = [
     (
         "writes a file in the home folder",
         "REPORT(open(in_home(\"new\"), O_CREAT | O_WRONLY, 0600))",
@@ -38,6 +38,11 @@ const ATTACKS: [(&str, &str, [Came; 3]); 25] = [
     (
         "reads a file of the user",
         "REPORT(read_file(in_home(\"secret\")))",
+        [Done, Refused, Refused],
+    ),
+    (
+        "reads it with another thread of the process",
+        "REPORT(read_elsewhere(in_home(\"secret\")))",
         [Done, Refused, Refused],
     ),
     (
@@ -107,6 +112,12 @@ const ATTACKS: [(&str, &str, [Came; 3]); 25] = [
         [SetBack, SetBack, SetBack],
     ),
     ("changes the umask", "umask(0)", [SetBack, SetBack, SetBack]),
+    ("closes the standard streams", "close(0); close(1); close(2)", [SetBack, SetBack, SetBack]),
+    (
+        "sends the standard streams elsewhere",
+        "const int other = open(\"/dev/null\", O_RDWR); for (int k = 0; k < 3; k++) dup2(other, k)",
+        [SetBack, SetBack, SetBack],
+    ),
 ];
 
 const PLACES: [&str; 3] = ["in process", "`--isolate`", "worker"];
@@ -140,7 +151,7 @@ impl Home {
     }
 }
 
-fn attacker(folder: &Path, attack: &str) -> std::path::PathBuf {
+pub(crate) fn attacker(folder: &Path, attack: &str) -> std::path::PathBuf {
     let define = format!("ATTACK={attack}");
     Model::Gain.variant(&folder.join("attacker.fmu"), &[define.as_str()], |text| text)
 }
@@ -409,21 +420,24 @@ fn one_signal_ends_a_run_in_an_fmu_that_spins() {
     }
 }
 
-/// Without confinement, an FMU that stops its process looks like one stopped by a user. It is not
-/// retried forever.
+/// An FMU that stops its process, without confinement or by a timer, looks like one stopped by a
+/// user. It is not retried forever.
 #[test]
 fn an_fmu_that_stops_itself_ends_the_run() {
     let folder = TempDir::new().unwrap();
-    let fmu = attacker(folder.path(), "raise(SIGSTOP)");
     let system = folder.path().join("s.ssd");
-    std::fs::write(&system, one_component(fmu.to_str().unwrap())).unwrap();
-    let lent = ["--allow-upload", "--no-confine"];
-    let (code, shown) = on_worker(folder.path(), &system, &lent, &[]);
-    assert_eq!(code, 1, "{shown}");
-    assert!(
-        shown.contains("[E502]") && shown.contains("stops or kills its own process"),
-        "{shown}"
-    );
+    for (attack, lent) in [
+        ("raise(SIGSTOP)", &["--allow-upload", "--no-confine"][..]),
+        ("timed(SIGSTOP)", &["--allow-upload"]),
+        ("timed(SIGKILL)", &["--allow-upload"]),
+    ] {
+        let fmu = attacker(folder.path(), attack);
+        std::fs::write(&system, one_component(fmu.to_str().unwrap())).unwrap();
+        let (code, shown) = on_worker(folder.path(), &system, lent, &[]);
+        assert_eq!(code, 1, "{attack}: {shown}");
+        let named = shown.contains("[E502]") && shown.contains("stops or kills its own process");
+        assert!(named, "{attack}: {shown}");
+    }
 }
 
 /// A group whose process ends before it is ready is not waited for.

@@ -11,6 +11,7 @@ use crate::models::Model;
 use crate::models::Model::{Clock, Counter, Gain, Integrator};
 use crate::ssd::Ssd;
 
+mod ended;
 mod kept;
 mod systems;
 

@@ -10,13 +10,22 @@ use crate::distributed::cosim;
 use crate::models::Model;
 
 /// Where code of an FMU is called.
-const PLACES: [&str; 7] =
-    ["constructor", "instantiation", "initialization", "step", "termination", "end", "destructor"];
+pub(crate) const PLACES: [&str; 8] = [
+    "constructor",
+    "version",
+    "instantiation",
+    "initialization",
+    "step",
+    "termination",
+    "end",
+    "destructor",
+];
 
-fn leaver(folder: &Path, place: &str, how: &str) -> String {
-    let defines = [format!("EXITS_AT=\"{place}\""), format!("EXITS={how}")];
+/// An FMU that does something at a place, and `s.ssd` with it.
+pub(crate) fn doing(folder: &Path, place: &str, what: &str) -> String {
+    let defines = [format!("DOES_AT=\"{place}\""), format!("DOES={what}")];
     let fmu = Model::Gain.variant(
-        &folder.join("leaver.fmu"),
+        &folder.join("doing.fmu"),
         &defines.each_ref().map(String::as_str),
         |text| text,
     );
@@ -35,15 +44,18 @@ fn no_exit_of_an_fmu_is_a_success() {
     let folder = TempDir::new().unwrap();
     for place in PLACES {
         for how in ["exit(0)", "_exit(0)", "quick_exit(0)"] {
-            let fmu = leaver(folder.path(), place, how);
+            let fmu = doing(folder.path(), place, how);
             let mut commands = vec![
                 vec!["simulate", &fmu, "-o", "out.csv"],
                 vec!["simulate", &fmu, "-o", "out.csv", "--isolate"],
                 vec!["run", "s.ssd", "-o", "out.csv"],
                 vec!["run", "s.ssd", "-o", "out.csv", "--workers", "1", "--recoveries", "2"],
             ];
-            if ["constructor", "destructor"].contains(&place) {
+            if ["constructor", "version", "destructor"].contains(&place) {
                 commands.push(vec!["validate", &fmu]);
+            }
+            if ["constructor", "version"].contains(&place) {
+                commands.push(vec!["export", "s.ssd", "-o", "whole.fmu"]);
             }
             for command in commands {
                 let (code, shown) = run(folder.path(), &command);
@@ -63,7 +75,7 @@ fn no_exit_of_an_fmu_is_a_success() {
 fn what_an_fmu_registers_for_the_end_does_not_change_the_exit_code() {
     let folder = TempDir::new().unwrap();
     for how in ["atexit(leave)", "at_quick_exit(leave)"] {
-        leaver(folder.path(), "instantiation", how);
+        doing(folder.path(), "instantiation", how);
         let failing = ["run", "s.ssd", "-o", "out.csv", "--stop-when", "attacker.nothing > 1"];
         let (code, shown) = run(folder.path(), &failing);
         assert_ne!(code, Some(0), "{how}: {shown}");
@@ -74,7 +86,7 @@ fn what_an_fmu_registers_for_the_end_does_not_change_the_exit_code() {
 #[test]
 fn a_run_of_a_campaign_that_exits_is_a_row_and_fails_again() {
     let folder = TempDir::new().unwrap();
-    leaver(folder.path(), "step", "exit(0)");
+    doing(folder.path(), "step", "exit(0)");
     let file = "seeds = 1\n[systems]\na = 's.ssd'\n[figures.f]\nkind = 'max'\nof = 'attacker.y'\n";
     std::fs::write(folder.path().join("c.toml"), file).unwrap();
     run(folder.path(), &["campaign", "c.toml", "--output-dir", "results"]);

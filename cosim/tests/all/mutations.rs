@@ -189,6 +189,10 @@ fn roles() {
     survive(16, readers::ROLES.as_bytes(), 2000, readers::roles);
 }
 
+fn state_of_functions() -> Vec<u8> {
+    readers::state_of_functions(TempDir::new().unwrap().path())
+}
+
 /// The seeds of the readers that need an ending, or another file, are valid.
 #[test]
 fn the_seeds_are_read_as_what_they_are() {
@@ -200,7 +204,13 @@ fn the_seeds_are_read_as_what_they_are() {
     };
     Scenario::read(write("f.toml", readers::FAULTS.as_bytes())).unwrap();
     Declaration::read(write("r.toml", readers::ROLES.as_bytes())).unwrap();
-    Snapshot::read(write("s.snapshot", &readers::state_of_sum())).unwrap();
+    Snapshot::read(write("s.snapshot", &state_of_functions())).unwrap();
+    write(cosim::proxy::manifest::FILE, readers::REMOTE.as_bytes());
+    cosim::proxy::manifest::Manifest::read(folder.path()).unwrap();
+    write("component.json", readers::CLASS.as_bytes());
+    cosim::scripted::Manifest::read(folder.path()).unwrap();
+    let mut hosted = readers::hosted(folder.path(), readers::INTERFACE).unwrap();
+    readers::begin(&mut hosted).unwrap();
     for name in ["r.mcap", "r.parquet"] {
         let file = folder.path().join(name);
         system().run(&mut [&mut *observe::create(&file).unwrap()]).unwrap();
@@ -245,7 +255,7 @@ fn results_as_parquet() {
 
 #[test]
 fn states() {
-    survive(18, &readers::state_of_sum(), 1500, readers::snapshot);
+    survive(18, &state_of_functions(), 1500, readers::snapshot);
 }
 
 #[test]
@@ -256,6 +266,32 @@ fn snapshots() {
     let half = [Time::from_ns(500_000_000)];
     Run::new(&system()).snapshots(None, &half, &mut keep).go().unwrap();
     survive(8, &std::fs::read(&file).unwrap(), 1500, readers::snapshot);
+}
+
+#[test]
+fn manifests() {
+    survive(19, readers::REMOTE.as_bytes(), 1500, readers::manifest);
+    survive(20, readers::CLASS.as_bytes(), 1500, readers::manifest);
+}
+
+#[test]
+fn frames() {
+    for (seed, frames) in (21..).zip(readers::frames()) {
+        survive(seed, &frames, 20_000, readers::frame);
+    }
+    // A length alone takes no memory.
+    readers::within(readers::frame, &[0xff, 0xff, 0xff, 0x3f]);
+}
+
+#[test]
+fn exported_systems() {
+    survive(23, readers::INTERFACE, 1500, readers::exported);
+}
+
+#[test]
+fn states_of_exported_systems() {
+    let folder = TempDir::new().unwrap();
+    survive(24, &readers::state_of_hosted(folder.path()), 1500, readers::kept);
 }
 
 #[test]

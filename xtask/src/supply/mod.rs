@@ -16,7 +16,7 @@ use serde_json::Value;
 
 /// The `cargo metadata` of this workspace.
 pub(crate) fn metadata(arguments: &[&str]) -> Result<Value> {
-    let arguments = [&["metadata", "--locked", "--format-version", "1"], arguments].concat();
+    let arguments = [&["metadata", "--format-version", "1"], arguments].concat();
     serde_json::from_str(&process::output(&mut process::cargo(&arguments))?)
         .context("cargo metadata")
 }

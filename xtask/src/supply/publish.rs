@@ -7,9 +7,7 @@ use anyhow::Result;
 /// Packs them as for the registry, without compiling what was packed.
 pub(crate) fn check() -> Result<()> {
     let mut arguments: Vec<String> =
-        ["package", "--locked", "--quiet", "--no-verify", "--allow-dirty"]
-            .map(str::to_owned)
-            .into();
+        ["package", "--quiet", "--no-verify", "--allow-dirty"].map(str::to_owned).into();
     for name in crates()? {
         arguments.extend(["--package".to_owned(), name]);
     }

@@ -3,6 +3,7 @@
 use exmex::{Express, FlatEx};
 
 use crate::error::{Code, Error, Result};
+use crate::nesting;
 use crate::observe::Recording;
 
 /// The name of a variable, or a formula with names in braces. It has `+ - * / ^`, parentheses,
@@ -58,7 +59,14 @@ impl std::fmt::Display for Expression {
     }
 }
 
+/// The longest formula, in bytes.
+const LONGEST: usize = 10_000;
+
 fn parsed(text: &str) -> std::result::Result<FlatEx<f64>, String> {
+    if text.len() > LONGEST || nesting::is_too_deep(text) {
+        let most = nesting::MOST;
+        return Err(format!("it has more than {LONGEST} bytes, or {most} levels of brackets"));
+    }
     exmex::parse(text).map_err(|e| format!("'{text}' is not a valid expression: {e}"))
 }
 

@@ -61,3 +61,29 @@ fn other_instants_are_another_campaign() {
     assert_ne!(usual, identity("dimension = 3\nevery = 5"));
     assert_eq!(usual, identity("every = 5.0\ndimension = 2"));
 }
+
+#[test]
+fn what_multiplies_to_more_than_any_memory_holds_is_refused() {
+    let begin = "[systems]\na = 'a.ssd'\n";
+    let factors: String = (0..40).map(|n| format!("'p.x{n}' = [1, 2, 3, 4]\n")).collect();
+    let long = format!("'p.{}' = {:?}\n", "x".repeat(1 << 20), [0; 1000]);
+    for text in [
+        format!("seeds = 1000000000000000000\n{begin}"),
+        format!("{begin}[factors]\n{factors}"),
+        format!("{begin}[factors]\n{long}"),
+    ] {
+        let error = read(&text).unwrap_err();
+        assert!(error.what().contains("more than 10000000 runs, or too many cells"), "{error}");
+    }
+    assert_eq!(read(&format!("seeds = 10000000\n{begin}")).unwrap().runs(), 10_000_000);
+}
+
+#[test]
+fn formulas_are_bounded() {
+    for (depth, allowed) in [(60, true), (65, false), (50_000, false)] {
+        let formula = format!("{}{{a.y}}{}", "sin(".repeat(depth), ")".repeat(depth));
+        let text = "[systems]\na = 'a.ssd'\n[figures.f]\nkind = 'max'\nof = ";
+        let read = read(&format!("{text}'{formula}'\n"));
+        assert_eq!(read.is_ok(), allowed, "{depth}");
+    }
+}

@@ -52,7 +52,10 @@ impl Input {
         let input = |(place, name): (usize, &str)| {
             let mut texts: Vec<String> = Vec::new();
             for text in rows.iter().filter_map(|row| row.inputs.get(place)) {
-                if text.parse::<f64>().is_err() && !texts.iter().any(|known| **known == **text) && texts.len() < TEXTS {
+                if text.parse::<f64>().is_err()
+                    && !texts.iter().any(|known| **known == **text)
+                    && texts.len() < TEXTS
+                {
                     texts.push(text.to_string());
                 }
             }

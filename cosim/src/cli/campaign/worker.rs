@@ -5,8 +5,10 @@ use std::path::PathBuf;
 
 use clap::Args;
 use cosim::campaign::{Bench, Campaign, fingerprint};
+use cosim::confine::kill_descendants;
 use cosim::texts::Scope;
 use cosim::{Code, Error, Result};
+use rustix::process::Signal;
 
 use crate::cli::{interrupt, standard};
 
@@ -26,6 +28,7 @@ impl CampaignWorker {
         // Output of FMUs must not appear between the rows.
         standard::keep_apart()?;
         interrupt::watch();
+        interrupt::end_with_parent(Signal::TERM)?;
         let mut rows = standard::out();
         let bench = Bench::open(Campaign::read(&self.file)?)?;
         if fingerprint(&bench.identity()?) != self.identity {
@@ -43,6 +46,8 @@ impl CampaignWorker {
             let _texts = Scope::begin();
             let mut row = serde_json::to_vec(&bench.run(run)).unwrap_or_default();
             row.push(b'\n');
+            // What FMUs started ends with the run, before its row counts.
+            kill_descendants(std::process::id());
             rows.write_all(&row).map_err(broken)?;
         }
         Ok(())

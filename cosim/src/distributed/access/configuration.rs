@@ -17,6 +17,7 @@ use zenoh::Config;
 
 use crate::error::{Code, Error, Result};
 use crate::names::did_you_mean;
+use crate::nesting;
 
 /// The contents of a file.
 pub struct Configuration {
@@ -76,6 +77,10 @@ impl Configuration {
     pub fn read(file: &Path) -> Result<Self> {
         let text = crate::files::read_input_text(file)
             .map_err(|why| wrong(file, "the configuration cannot be read").why(why))?;
+        if nesting::is_too_deep(&text) {
+            return Err(wrong(file, "the configuration is not json5")
+                .why(format!("its brackets have more than {} levels", nesting::MOST)));
+        }
         let mut zenoh: Value = json5::from_str(&text)
             .map_err(|why| wrong(file, "the configuration is not json5").why(why))?;
         let Some(settings) = zenoh.as_object_mut() else {

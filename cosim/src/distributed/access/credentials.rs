@@ -55,6 +55,11 @@ impl Credentials {
         }
     }
 
+    /// The files that a member needs to connect.
+    pub(crate) fn own(&self) -> [&PathBuf; 3] {
+        [&self.authority, &self.certificate, &self.key]
+    }
+
     /// The settings of Zenoh for mutual TLS with these files.
     pub(crate) fn entries(&self) -> Result<Vec<(&'static str, String)>> {
         let path = |file: &PathBuf| {

@@ -1,0 +1,8 @@
+//! Messages between the library of a remote FMU and its program.
+#![no_main]
+#![allow(dead_code)]
+
+#[path = "../readers.rs"]
+mod readers;
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| readers::within(readers::frame, bytes));

@@ -1,0 +1,8 @@
+//! Saved states of exported FMUs.
+#![no_main]
+#![allow(dead_code)]
+
+#[path = "../readers.rs"]
+mod readers;
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| readers::within(readers::kept, bytes));

@@ -1,0 +1,97 @@
+//! What ends with a campaign: everything that FMUs started in the processes that make its runs.
+
+use std::path::Path;
+use std::process::{Child, Stdio};
+use std::time::Duration;
+
+use tempfile::TempDir;
+
+use crate::attacks::{attacker, one_component};
+use crate::distributed::{children, cosim, remaining, signal};
+
+/// How long the end of processes may take.
+const PATIENCE: Duration = Duration::from_secs(30);
+
+/// Starts a process that lingers.
+const START: &str = "if (!fork()) { setsid(); linger(in_home(\"lingers\")); } \
+                     while (access(in_home(\"lingers\"), F_OK)) sched_yield();";
+const SPIN: &str = "for (;;) __asm__ volatile(\"\")";
+
+/// A campaign of one component that does this in a step; `more` is about the campaign.
+fn prepare(folder: &Path, attack: &str, more: &str) {
+    let fmu = attacker(folder, attack);
+    std::fs::write(folder.join("s.ssd"), one_component(fmu.to_str().unwrap())).unwrap();
+    let figures = "[systems]\na = 's.ssd'\n[figures.f]\nkind = 'max'\nof = 'attacker.y'\n";
+    std::fs::write(folder.join("c.toml"), format!("{more}\n{figures}")).unwrap();
+}
+
+fn start(folder: &Path, arguments: &[&str]) -> Child {
+    let mut command = cosim(folder, arguments);
+    command.env("HOME", folder).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()
+}
+
+const CAMPAIGN: [&str; 4] = ["campaign", "c.toml", "--jobs", "1"];
+
+/// The process that the FMU started, as soon as there is one.
+fn started(folder: &Path) -> u32 {
+    loop {
+        if let Ok(number) = std::fs::read_to_string(folder.join("lingers")) {
+            return number.parse().unwrap();
+        }
+        std::thread::yield_now();
+    }
+}
+
+#[test]
+fn a_killed_campaign_leaves_no_process() {
+    let folder = TempDir::new().unwrap();
+    prepare(folder.path(), &[START, SPIN].concat(), "seeds = 1");
+    let mut campaign = start(folder.path(), &CAMPAIGN);
+    let lingers = started(folder.path());
+    let all = [children(campaign.id()), vec![lingers]].concat();
+    campaign.kill().unwrap();
+    campaign.wait().unwrap();
+    assert_eq!(all.len(), 2);
+    assert!(remaining(&all, PATIENCE).is_empty());
+}
+
+#[test]
+fn an_interrupted_campaign_leaves_no_process() {
+    let folder = TempDir::new().unwrap();
+    prepare(folder.path(), START, "seeds = 20000");
+    let mut campaign = start(folder.path(), &CAMPAIGN);
+    let process = started(folder.path());
+    signal(campaign.id(), "-INT");
+    assert_eq!(campaign.wait().unwrap().code(), Some(130));
+    assert!(remaining(&[process], PATIENCE).is_empty());
+}
+
+#[test]
+fn a_run_that_takes_too_long_leaves_no_process() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    prepare(at, &[START, SPIN].concat(), "seeds = 1\ntime-limit = 0.5");
+    start(at, &CAMPAIGN).wait().unwrap();
+    let rows = std::fs::read_to_string(at.join("c_campaign/runs.jsonl")).unwrap();
+    assert!(rows.contains("timed-out"), "{rows}");
+    assert!(remaining(&[started(at)], PATIENCE).is_empty());
+}
+
+/// The process that makes runs continues; what an FMU started in one of them does not.
+#[test]
+fn a_run_finds_no_process_of_the_one_before() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    let look = "int before = 0; FILE *file = fopen(in_home(\"lingers\"), \"r\"); \
+                if (file) { fscanf(file, \"%d\", &before); fclose(file); \
+                remove(in_home(\"lingers\")); \
+                fclose(fopen(in_home(kill(before, 0) ? \"gone\" : \"there\"), \"w\")); }";
+    prepare(at, &[look, START].concat(), "seeds = 5");
+    assert!(start(at, &CAMPAIGN).wait().unwrap().success());
+    assert!(at.join("gone").exists() && !at.join("there").exists());
+    // A page makes some runs again, in its own process.
+    std::fs::remove_file(at.join("lingers")).unwrap();
+    let report = ["report", "c_campaign", "-o", "page.html"];
+    assert!(start(at, &report).wait().unwrap().success());
+    assert!(remaining(&[started(at)], PATIENCE).is_empty());
+}
