@@ -8,27 +8,39 @@
 //! Results contain such numbers, so a String that changes in each step takes memory for each of its
 //! values until the run's [`Scope`] ends.
 
-use std::collections::HashMap;
-use std::sync::{Arc, LazyLock, Mutex, MutexGuard, PoisonError};
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-#[derive(Default)]
 struct Table {
+    /// The empty String has the number 0 and no entry: values that have not been set yet are 0.
     texts: Vec<Arc<str>>,
-    places: HashMap<Arc<str>, usize>,
-    /// How many scopes exist, and how many Strings there were when the first of them began.
+    numbers: BTreeMap<Arc<str>, usize>,
+    /// How many scopes exist, and how many entries there were when the first of them began.
     scopes: usize,
     before: usize,
 }
 
 impl Table {
-    fn place(&mut self, text: &str) -> usize {
-        if let Some(place) = self.places.get(text) {
-            return *place;
+    const fn new() -> Self {
+        Self { texts: Vec::new(), numbers: BTreeMap::new(), scopes: 0, before: 0 }
+    }
+
+    fn number(&mut self, text: &str) -> usize {
+        if text.is_empty() {
+            return 0;
         }
-        let (text, place) = (Arc::<str>::from(text), self.texts.len());
+        if let Some(number) = self.numbers.get(text) {
+            return *number;
+        }
+        let text = Arc::<str>::from(text);
         self.texts.push(text.clone());
-        self.places.insert(text, place);
-        place
+        self.numbers.insert(text, self.texts.len());
+        self.texts.len()
+    }
+
+    fn text(&self, number: f64) -> Option<Arc<str>> {
+        let place = (number as usize).checked_sub(1)?;
+        self.texts.get(place).cloned()
     }
 
     fn begin(&mut self) {
@@ -42,7 +54,11 @@ impl Table {
         self.scopes -= 1;
         if self.scopes == 0 {
             self.texts.truncate(self.before);
-            self.places.retain(|_, place| *place < self.before);
+            self.numbers.retain(|_, number| *number <= self.before);
+        }
+        if self.scopes == 0 && self.texts.is_empty() {
+            // A library that is unloaded leaves nothing.
+            *self = Self::new();
         }
     }
 }
@@ -66,12 +82,7 @@ impl Drop for Scope {
     }
 }
 
-static TABLE: LazyLock<Mutex<Table>> = LazyLock::new(|| {
-    let mut table = Table::default();
-    // Values that have not been set yet are 0.
-    table.place("");
-    Mutex::new(table)
-});
+static TABLE: Mutex<Table> = Mutex::new(Table::new());
 
 fn table() -> MutexGuard<'static, Table> {
     TABLE.lock().unwrap_or_else(PoisonError::into_inner)
@@ -79,14 +90,12 @@ fn table() -> MutexGuard<'static, Table> {
 
 /// The number of a String in this process.
 pub fn number(text: &str) -> f64 {
-    table().place(text) as f64
+    table().number(text) as f64
 }
 
 /// The String of that number; the empty one if there is none.
 pub fn text(number: f64) -> Arc<str> {
-    let table = table();
-    let place = if number >= 0.0 { number as usize } else { 0 };
-    table.texts.get(place).unwrap_or(&table.texts[0]).clone()
+    table().text(number).unwrap_or_default()
 }
 
 #[cfg(test)]
@@ -103,15 +112,15 @@ mod tests {
 
     #[test]
     fn strings_of_a_scope_are_forgotten_with_the_last_one() {
-        let mut table = Table::default();
-        let kept = table.place("known before");
+        let mut table = Table::new();
+        let kept = table.number("known before");
         table.begin();
-        let new = table.place("known in a scope");
+        let new = table.number("known in a scope");
         table.begin();
         table.end();
-        assert_eq!(table.place("known in a scope"), new);
+        assert_eq!(table.number("known in a scope"), new);
         table.end();
         assert_eq!(table.texts.len(), 1);
-        assert_eq!((table.place("other"), table.place("known before")), (new, kept));
+        assert_eq!((table.number("other"), table.number("known before")), (new, kept));
     }
 }
