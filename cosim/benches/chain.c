@@ -1,4 +1,5 @@
 /* The reference: a chain of FMUs stepped by a plain C loop: set, step, get, nothing else.
+ * With GUARD also the check of the floating-point environment, on x86-64.
  * usage: chain LIBRARY LENGTH STEPS; prints nanoseconds of processor time per FMU-step. */
 #include <dlfcn.h>
 #include <stdio.h>
@@ -6,6 +7,20 @@
 #include <time.h>
 
 typedef void *Component;
+
+/* Whether the control registers are as before, which the master checks after each step. */
+#ifdef GUARD
+static unsigned mxcsr_before = 0x1f80;
+static unsigned short x87_before = 0x37f;
+static inline int changed(void) {
+  unsigned mxcsr;
+  unsigned short x87;
+  __asm__ volatile("stmxcsr %0\n\tfnstcw %1" : "=m"(mxcsr), "=m"(x87));
+  return (mxcsr & ~0x3fu) != mxcsr_before || x87 != x87_before;
+}
+#else
+#define changed() 0
+#endif
 
 int main(int count, char **arguments) {
   void *library = dlopen(arguments[1], RTLD_NOW);
@@ -34,6 +49,7 @@ int main(int count, char **arguments) {
       if (set(chain[c], &u, 1, &value)) return 3;
       if (step(chain[c], k * 1e-3, 1e-3, 1)) return 4;
       if (get(chain[c], &y, 1, &value)) return 5;
+      if (changed()) return 6;
     }
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &ended);
   double ns = (ended.tv_sec - begun.tv_sec) * 1e9 + (ended.tv_nsec - begun.tv_nsec);
