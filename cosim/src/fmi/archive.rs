@@ -100,8 +100,11 @@ fn part_from(
         let Some(entry) = entries.next() else { break };
         let entry = entry.map_err(|e| broken(archive, e))?;
         let path = folder.path().join(&checked.path);
-        let unwanted = !checked.is_folder && !wanted(&checked.path);
-        let made = if checked.is_folder { Some(&*path) } else { path.parent() };
+        let unwanted = !wanted(&checked.path);
+        let made = match checked.is_folder {
+            true => Some(&*path).filter(|_| !unwanted),
+            false => path.parent(),
+        };
         made.map_or(Ok(()), fs::create_dir_all).map_err(|e| not_unpacked(archive, checked, &e))?;
         if checked.is_folder || unwanted {
             continue;

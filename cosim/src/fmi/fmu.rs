@@ -112,21 +112,19 @@ impl Fmu {
         })
     }
 
-    /// Whether it has a folder of binaries with that name; those for other machines are not
-    /// unpacked.
+    /// Whether it has binaries in the folder of that name.
     pub(crate) fn has_binaries(&self, folder: &str) -> bool {
-        self.folder.path().join("binaries").join(folder).is_dir()
+        // Those for other machines are not unpacked, but leave their folder.
+        let files = fs::read_dir(self.folder.path().join("binaries").join(folder));
+        files.is_ok_and(|mut files| !library::folders().contains(&folder) || files.next().is_some())
     }
 
     /// The platforms for which it has binaries, with FMI's names, sorted.
     pub fn platforms(&self) -> Vec<String> {
-        let folders = fs::read_dir(self.folder.path().join("binaries"));
-        let mut names: Vec<String> = folders
-            .into_iter()
-            .flatten()
-            .flatten()
-            .map(|folder| folder.file_name().to_string_lossy().into_owned())
-            .collect();
+        let folders = fs::read_dir(self.folder.path().join("binaries")).into_iter().flatten();
+        let names = folders.flatten().map(|folder| folder.file_name().to_string_lossy().into());
+        let mut names: Vec<String> =
+            names.filter(|name: &String| self.has_binaries(name)).collect();
         names.sort();
         names
     }
@@ -245,8 +243,14 @@ impl Fmu {
     }
 
     fn no_binary(&self, name: &str) -> Error {
-        let wanted: Vec<String> =
-            library::folders().iter().map(|f| format!("binaries/{f}/{name}")).collect();
+        let folders = library::folders();
+        let wanted: Vec<String> = folders.iter().map(|f| format!("binaries/{f}/{name}")).collect();
+        if let Some(other) = folders.iter().find_map(|folder| self.any_library(folder)) {
+            return Error::new(Code::Library, "the library of the FMU has a wrong name")
+                .at(&self.path)
+                .why(format!("it is {other}; FMI requires the modelIdentifier as its name"))
+                .help(format!("rename it in the archive to {}", wanted.join(" or ")));
+        }
         let present = match &self.platforms()[..] {
             [] => "it has no binaries at all".to_owned(),
             platforms => format!("it has binaries for: {}", platforms.join(", ")),
@@ -255,6 +259,14 @@ impl Fmu {
             .at(&self.path)
             .why(present)
             .help(format!("export it so that it contains {}", wanted.join(" or ")))
+    }
+
+    /// A library in a folder of binaries, whatever it is called.
+    fn any_library(&self, folder: &str) -> Option<String> {
+        let files = fs::read_dir(self.folder.path().join("binaries").join(folder)).ok()?;
+        let names = files.flatten().map(|file| file.file_name().to_string_lossy().into_owned());
+        let library = names.filter(|name| name.ends_with(".so")).min()?;
+        Some(format!("binaries/{folder}/{library}"))
     }
 
     /// `file:///...` of the unpacked resources, with everything except plain characters escaped.

@@ -33,6 +33,41 @@ fn backslashes_separate_the_folders_of_an_archive() {
 }
 
 #[test]
+fn a_library_with_another_name_is_named() {
+    let folder = Folder::new();
+    let library = std::fs::read(compile(Gain)).unwrap();
+    let description = Gain.description().into_bytes();
+    let entries = [("modelDescription.xml", description), ("binaries/linux64/renamed.so", library)];
+    pack(&folder.path("renamed.fmu"), &entries);
+    let output = cosim(folder.0.path(), &["simulate", "renamed.fmu"]);
+    let reported = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(3), "{reported}");
+    for part in ["E105", "binaries/linux64/renamed.so", "rename it", "binaries/linux64/GAIN.so"] {
+        assert!(reported.contains(part), "{reported}");
+    }
+}
+
+#[test]
+fn an_empty_folder_of_binaries_is_none() {
+    let folder = Folder::new();
+    let reported = |entries: &[&str]| {
+        let description = ("modelDescription.xml", Gain.description().into_bytes());
+        let entries = entries.iter().map(|entry| (*entry, Vec::new()));
+        pack(
+            &folder.path("empty.fmu"),
+            &[description].into_iter().chain(entries).collect::<Vec<_>>(),
+        );
+        let output = cosim(folder.0.path(), &["simulate", "empty.fmu"]);
+        assert_eq!(output.status.code(), Some(3));
+        text(&output.stderr)
+    };
+    let none = reported(&["binaries/", "binaries/linux64/", "binaries/win64/"]);
+    assert!(none.contains("it has no binaries at all"), "{none}");
+    let one = reported(&["binaries/linux64/", "binaries/win32/", "binaries/win64/Gain.dll"]);
+    assert!(one.contains("it has binaries for: win64\n"), "{one}");
+}
+
+#[test]
 fn a_description_may_be_in_latin_1() {
     let folder = Folder::new();
     let description = Gain
