@@ -35,28 +35,35 @@ impl Batch {
 }
 
 /// Keeps a limited number of evenly spaced samples: when it is full, it drops every second one, and
-/// from then on takes only every second one.
+/// from then on takes only every second one. The newest is kept in any case: after the end of a run
+/// no other follows.
 #[derive(Debug, Clone)]
 pub(super) struct Thinned {
     pub(super) batch: Batch,
     most: usize,
     stride: usize,
     skipped: usize,
+    /// The newest sample, if it is not among the others.
+    newest: Option<i64>,
+    row: Vec<f64>,
 }
 
 impl Thinned {
     /// At most this many rows of this width, and at least two.
     pub(super) fn new(width: usize, most: usize) -> Self {
         let batch = Batch { width, ..Batch::default() };
-        Self { batch, most: most.max(2), stride: 1, skipped: 0 }
+        Self { batch, most: most.max(2), stride: 1, skipped: 0, newest: None, row: Vec::new() }
     }
 
     pub(super) fn push(&mut self, time: i64, row: &[f64]) {
         self.skipped += 1;
         if self.skipped < self.stride {
+            self.newest = Some(time);
+            self.row.clear();
+            self.row.extend_from_slice(row);
             return;
         }
-        self.skipped = 0;
+        (self.skipped, self.newest) = (0, None);
         self.batch.push(time, row);
         if self.batch.times.len() > self.most {
             self.batch.halve();
@@ -66,6 +73,9 @@ impl Thinned {
 
     /// Takes the stored samples; the next ones are again taken one by one.
     pub(super) fn take(&mut self) -> Batch {
+        if let Some(time) = self.newest.take() {
+            self.batch.push(time, &self.row);
+        }
         (self.stride, self.skipped) = (1, 0);
         let width = self.batch.width;
         std::mem::replace(&mut self.batch, Batch { width, ..Batch::default() })
@@ -83,10 +93,12 @@ mod tests {
             thinned.push(time, &[time as f64]);
             assert!(thinned.batch.times.len() <= 8);
         }
-        let Batch { times, values, .. } = thinned.take();
+        let Batch { mut times, values, .. } = thinned.take();
+        assert_eq!(times.last(), Some(&999), "the newest is there, though it is not evenly spaced");
+        assert!(times.iter().zip(&values).all(|(time, value)| *time as f64 == *value));
+        times.pop();
         let gaps: Vec<i64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
         assert!(gaps.iter().all(|gap| *gap == gaps[0]), "{times:?}");
-        assert!(times.iter().zip(&values).all(|(time, value)| *time as f64 == *value));
         thinned.push(1000, &[0.5]);
         assert_eq!(thinned.take().times, [1000]);
     }
