@@ -6,7 +6,7 @@
 //! those for Reals stay unchanged. Other types that do not fit into an `f64` could be added here.
 //!
 //! Results contain such numbers, so a String that changes in each step takes memory for each of its
-//! values until the run's [`Scope`] ends.
+//! values, until the last [`Scope`] ends if there is one.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -64,7 +64,8 @@ impl Table {
 }
 
 /// When the last scope ends, the Strings that are new since the first one began are forgotten, and
-/// their numbers become invalid. So a process that makes many runs needs no more memory than for one.
+/// their numbers become invalid. So a process that makes many runs needs no more memory than for
+/// one.
 #[must_use]
 pub struct Scope(());
 

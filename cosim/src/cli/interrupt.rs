@@ -56,7 +56,8 @@ pub(crate) fn listen() {
     }
 }
 
-/// From now on, this process ends some time after a signal, whatever it does.
+/// From now on, a signal ends this process after some seconds, even if an FMU or a file keeps it
+/// busy.
 pub(crate) fn hurry() {
     static WATCH: Once = Once::new();
     WATCH.call_once(|| {

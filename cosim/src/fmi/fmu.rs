@@ -261,7 +261,7 @@ impl Fmu {
             .help(format!("export it so that it contains {}", wanted.join(" or ")))
     }
 
-    /// A library in a folder of binaries, whatever it is called.
+    /// A library of any name in a folder of binaries.
     fn any_library(&self, folder: &str) -> Option<String> {
         let files = fs::read_dir(self.folder.path().join("binaries").join(folder)).ok()?;
         let names = files.flatten().map(|file| file.file_name().to_string_lossy().into_owned());
