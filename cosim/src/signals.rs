@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::digest::sha256;
 use crate::error::{Code, Error, Result};
-use crate::fmi::Kind;
+use crate::fmi::{Kind, Scalar};
 use crate::time::Time;
 
 /// The numbers of a column, one per instant; of another column the first text that is none.
@@ -105,14 +105,15 @@ impl Signals {
     }
 
     /// Values of `wanted` at `time`: the first before the first sample, the last after the last. At
-    /// an instant that occurs twice (a discontinuity), the later value counts.
-    pub fn values_at(&self, time: Time, wanted: &[usize], values: &mut [f64]) {
+    /// an instant that occurs twice (a discontinuity), the later value counts. A number of the file
+    /// becomes the nearest value of the signal's type.
+    pub fn values_at(&self, time: Time, wanted: &[usize], values: &mut [Scalar]) {
         let t = time.seconds();
         let after = self.time.partition_point(|&sample| sample <= t);
         for (value, &wanted) in values.iter_mut().zip(wanted) {
             let signal = &self.signals[wanted];
             let samples = &signal.values;
-            *value = if after == 0 {
+            let number = if after == 0 {
                 samples[0]
             } else if after == samples.len() || !signal.continuous {
                 samples[after - 1]
@@ -121,6 +122,7 @@ impl Signals {
                 let share = (t - t0) / (t1 - t0);
                 samples[after - 1] + share * (samples[after] - samples[after - 1])
             };
+            *value = Scalar::of_number(signal.kind.basic(), number);
         }
     }
 }
@@ -139,10 +141,10 @@ mod tests {
         };
         let signals = Signals::new(&[0.0, 1.0, 1.0, 2.0], vec![of(true), of(false)]).unwrap();
         let at = |seconds| {
-            let mut values = [0.0; 2];
+            let mut values = [Scalar::default(); 2];
             let time = Time::from_seconds(seconds);
             signals.values_at(time, &[0, 1], &mut values);
-            values
+            values.map(Scalar::as_real)
         };
         assert_eq!(at(-1.0), [0.0, 0.0]);
         assert_eq!(at(0.5), [1.0, 0.0]);

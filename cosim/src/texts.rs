@@ -1,12 +1,12 @@
-//! Values that are not numbers, represented by numbers.
+//! Strings, represented by numbers.
 //!
-//! A master transfers `f64`, which represents every FMI Real, Integer and Boolean exactly. A String
-//! is represented by its position in a table of this process: equal Strings have equal numbers, so
-//! operations on values (passing on, comparing, storing, recording) need no second code path, and
-//! those for Reals stay unchanged. Other types that do not fit into an `f64` could be added here.
+//! A String that a master passes on is its position in a table of this process: equal Strings have
+//! equal numbers, so passing on, comparing and storing need no second code path. Recorders and
+//! results represent values of all types by an `f64`, a String by its number. Binary data of FMI
+//! 3.0 could be entries of such a table too.
 //!
-//! Results contain such numbers, so a String that changes in each step takes memory for each of its
-//! values, until the last [`Scope`] ends if there is one.
+//! A String that changes in each step takes memory for each of its values, until the last [`Scope`]
+//! ends if there is one.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};

@@ -13,6 +13,7 @@ use super::options::Options;
 use super::setup::Setup;
 use super::wire::{Body, Kind, LAST, OPENING, RECORD, put_values};
 use crate::error::{Code, Error, Result};
+use crate::fmi::Scalar;
 use crate::master::{Change, Drive, EngineState, Plan, Report, Saved, Tally, UNSETTLED, passes};
 use crate::system::{Model, System};
 use crate::time::Time;
@@ -25,7 +26,7 @@ pub(crate) struct Coordinator<'a> {
     /// Which groups can save their state.
     can_save: Vec<bool>,
     warnings: Vec<String>,
-    values: Vec<f64>,
+    values: Vec<Scalar>,
     ends: Vec<Time>,
     start: Time,
     instants: u64,
@@ -51,7 +52,7 @@ impl<'a> Coordinator<'a> {
         let groups = groups.collect::<Result<Vec<_>>>()?;
         let start = system.start_time();
         Ok(Self {
-            values: vec![0.0; plan.values],
+            values: vec![Scalar::default(); plan.values],
             ends: plan.nodes.iter().map(|node| start + node.step.rounded()).collect(),
             start,
             plan,
@@ -120,13 +121,13 @@ impl<'a> Coordinator<'a> {
 
     /// As in an ordinary run (`Engine::settle`), one stretch after another.
     fn settle(&mut self) -> Result<()> {
-        let mut before = vec![0; self.values.len()];
+        let mut before = Vec::with_capacity(self.values.len());
         for _ in 0..passes(&self.plan) {
-            before.iter_mut().zip(&self.values).for_each(|(b, v)| *b = v.to_bits());
+            before.clone_from(&self.values);
             for (group, number) in self.layout.order.clone() {
                 self.exchange(group, number)?;
             }
-            if before.iter().zip(&self.values).all(|(b, v)| *b == v.to_bits()) {
+            if before == self.values {
                 return Ok(());
             }
         }
@@ -281,9 +282,7 @@ impl Drive for Coordinator<'_> {
             self.read_recorded(group, &mut body)?;
             body.end().map_err(misread)?;
         }
-        for (value, &slot) in row.iter_mut().zip(&self.plan.columns) {
-            *value = self.values[slot];
-        }
+        self.plan.row(&self.values, row);
         Ok(())
     }
 
@@ -303,10 +302,11 @@ impl Drive for Coordinator<'_> {
 
     fn save(&mut self, _now: Time) -> Result<EngineState> {
         let groups: Vec<usize> = self.groups().collect();
+        let inputs = vec![Scalar::default(); self.plan.inputs];
         let mut whole = EngineState {
             values: self.values.clone(),
-            inputs: vec![0.0; self.plan.inputs],
-            texts: self.plan.texts(&self.values, &vec![0.0; self.plan.inputs]),
+            texts: self.plan.texts(&self.values, &inputs),
+            inputs,
             ends: self.ends.clone(),
             trends: vec![Default::default(); self.plan.trends.len()],
             ramps: vec![Default::default(); self.plan.ramps.len()],
@@ -395,7 +395,7 @@ fn read(
     body: &mut Body<'_>,
     plan: &Plan,
     slots: impl IntoIterator<Item = usize>,
-    values: &mut [f64],
+    values: &mut [Scalar],
 ) -> Result<()> {
     body.values(slots, &plan.value_texts, values).map_err(misread)
 }

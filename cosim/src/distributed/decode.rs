@@ -10,7 +10,7 @@ use super::process_status::ProcessStatus;
 use super::setup::{FmuFile, FmuSource, Setup};
 use super::wire::{Body, Header};
 use crate::error::{Code, Error, Result};
-use crate::fmi::Fmu;
+use crate::fmi::{Fmu, Scalar};
 use crate::master::{Change, EngineState, Report, Tally};
 
 /// A source without FMUs.
@@ -46,7 +46,7 @@ pub fn decode(bytes: &[u8]) -> bool {
 
 /// A part, values, and the end.
 fn values(mut body: Body<'_>) {
-    let mut read = [0.0; 4];
+    let mut read = [Scalar::default(); 4];
     if body.number().is_ok() && body.values(0..4, &[2], &mut read).is_ok() {
         // There may be bytes left over.
         drop(body.end());

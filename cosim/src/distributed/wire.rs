@@ -7,7 +7,7 @@
 
 use sha2::{Digest, Sha256};
 
-use crate::texts;
+use crate::fmi::Scalar;
 use crate::time::Time;
 
 /// Version of the protocol; both sides must have the same.
@@ -185,12 +185,12 @@ impl<'a> Body<'a> {
         &mut self,
         slots: impl IntoIterator<Item = usize>,
         texts: &[usize],
-        values: &mut [f64],
+        values: &mut [Scalar],
     ) -> Result<(), Malformed> {
         for slot in slots {
             values[slot] = match texts.contains(&slot) {
-                true => texts::number(self.text()?),
-                false => f64::from_le_bytes(self.take()?),
+                true => Scalar::text(self.text()?),
+                false => Scalar::from(self.take()?),
             };
         }
         Ok(())
@@ -240,18 +240,18 @@ impl<'a> Body<'a> {
     }
 }
 
-/// Appends the values of these slots. Strings, in the slots `texts`, are sent as such: their numbers
+/// Appends the values of these slots. Strings, in the slots `texts`, are sent as such: their scalars
 /// are valid in one process only.
 pub(crate) fn put_values(
     message: &mut Vec<u8>,
     slots: impl IntoIterator<Item = usize>,
     texts: &[usize],
-    values: &[f64],
+    values: &[Scalar],
 ) {
     for slot in slots {
         match texts.contains(&slot) {
-            true => put_blob(message, texts::text(values[slot]).as_bytes()),
-            false => message.extend(values[slot].to_le_bytes()),
+            true => put_blob(message, values[slot].as_text().as_bytes()),
+            false => message.extend(<[u8; 8]>::from(values[slot])),
         }
     }
 }
@@ -290,23 +290,24 @@ mod tests {
 
     #[test]
     fn values_keep_their_bits() {
-        let odd = [-0.0, f64::from_bits(0x7FF8_0000_DEAD_BEEF), f64::INFINITY, 5e-324];
+        let odd = [Scalar::real(-0.0), Scalar::integer(i64::MAX - 1), Scalar::boolean(true)];
+        let odd = [odd[0], Scalar::real(f64::from_bits(0x7FF8_0000_DEAD_BEEF)), odd[1], odd[2]];
         let mut message = header().message();
         put_values(&mut message, [3, 0, 1, 2], &[], &odd);
-        let mut read = [0.0; 4];
+        let mut read = [Scalar::default(); 4];
         let (_, mut body) = Header::read(&message).unwrap();
         body.values([3, 0, 1, 2], &[], &mut read).unwrap();
-        assert_eq!(read.map(f64::to_bits), odd.map(f64::to_bits));
+        assert_eq!(read, odd);
         assert!(body.end().is_ok());
     }
 
     #[test]
     fn strings_are_sent_as_such() {
-        let values = [1.5, texts::number("süd"), 2.5];
+        let values = [Scalar::real(1.5), Scalar::text("süd"), Scalar::real(2.5)];
         let mut message = header().message();
         put_values(&mut message, 0..3, &[1], &values);
         assert!(message.windows(4).any(|part| part == "süd".as_bytes()));
-        let mut read = [0.0; 3];
+        let mut read = [Scalar::default(); 3];
         let (_, mut body) = Header::read(&message).unwrap();
         body.values(0..3, &[1], &mut read).unwrap();
         assert_eq!(read, values);
@@ -322,12 +323,12 @@ mod tests {
     fn every_cut_is_noticed() {
         let mut message = header().message();
         message.extend(7_u32.to_le_bytes());
-        put_values(&mut message, [0], &[], &[1.5]);
+        put_values(&mut message, [0], &[], &[Scalar::real(1.5)]);
         put_blob(&mut message, b"state");
         let read = |bytes: &[u8]| -> Result<(), Malformed> {
             let (_, mut body) = Header::read(bytes)?;
             body.number()?;
-            body.values([0], &[], &mut [0.0])?;
+            body.values([0], &[], &mut [Scalar::default()])?;
             body.blob()?;
             body.end()
         };

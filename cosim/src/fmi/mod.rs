@@ -3,8 +3,8 @@
 //!
 //! [`Fmu::open`] returns one shared value per file and process; [`Instance`] is the safe handle of
 //! one `fmi2Component`; [`Logging`] defines what instances log. The `unsafe` code of this crate
-//! that touches FMUs is here, in `open`, `library`, `last`, `callbacks`, `guard`, `instance` and
-//! `temporary`; the rest is system calls in `files` and `confine`.
+//! that touches FMUs is here, in `open`, `library`, `last`, `callbacks`, `guard`, `instance`, `scalar`
+//! and `temporary`; the rest is system calls in `files` and `confine`.
 
 pub mod archive;
 #[allow(unsafe_code, reason = "what FMUs call back")]
@@ -25,6 +25,8 @@ mod log;
 mod mailbox;
 #[allow(unsafe_code, reason = "libraries of FMUs")]
 mod open;
+#[allow(unsafe_code, reason = "arrays of scalars as arrays of Reals")]
+mod scalar;
 pub(crate) mod status;
 #[allow(unsafe_code, reason = "system calls without a safe form")]
 pub(crate) mod temporary;
@@ -42,4 +44,5 @@ pub(crate) use instance::{Direct, DirectSteps, Unusual};
 pub use instance::{Instance, NextEvent, Place};
 pub use last::{LastCall, Noted};
 pub use mailbox::{Mailbox, Message};
+pub use scalar::Scalar;
 pub use trace::{Logging, Trace};

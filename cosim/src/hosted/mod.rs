@@ -25,7 +25,6 @@ use crate::fmi::{Logging, Mailbox, Message, Value};
 use crate::master::Engine;
 use crate::scenario::Scenario;
 use crate::system::{Component, Input, Overrides, System};
-use crate::texts;
 use crate::time::Time;
 pub use interface::MARK;
 use interface::{FILE, Interface};
@@ -208,7 +207,7 @@ impl Hosted {
             if slot.read_with.is_some_and(|step| !engine.has_read(step as usize, self.time)) {
                 return None;
             }
-            *place = *engine.values.get(slot.place as usize)?;
+            *place = engine.values.get(slot.place as usize)?.as_real();
         }
         Some(())
     }
@@ -222,22 +221,22 @@ impl Hosted {
         let Self { table, engine, unread, time, .. } = self;
         let known = table.known(basic, reference)?;
         let Some(engine) = engine else {
-            return Ok(number_of(&known.value));
+            return Ok(known.value.number());
         };
         match known.read {
-            Read::Slot(slot) => Ok(known.outward(engine.values[slot])),
+            Read::Slot(slot) => Ok(known.outward(engine.values[slot].number(basic))),
             Read::Recorded(slot, component) => {
                 if unread[component] {
                     engine.read_of(component, *time)?;
                     unread[component] = false;
                 }
-                Ok(known.outward(engine.values[slot]))
+                Ok(known.outward(engine.values[slot].number(basic)))
             }
             Read::Asked => {
                 let port = known.ends[0].port;
-                Ok(number_of(&engine.slaves[port.component].look(port.variable)?))
+                Ok(engine.slaves[port.component].look(port.variable)?.number())
             }
-            Read::Own => Ok(number_of(&known.value)),
+            Read::Own => Ok(known.value.number()),
         }
     }
 
@@ -249,7 +248,7 @@ impl Hosted {
         let known = self.table.known(Basic::String, reference)?;
         let value = match (&mut self.engine, known.read) {
             (Some(engine), Read::Slot(slot) | Read::Recorded(slot, _)) => {
-                return Ok(texts::text(engine.values[slot]).to_string());
+                return Ok(engine.values[slot].as_text().to_string());
             }
             (Some(engine), Read::Asked) => {
                 let port = known.ends[0].port;
@@ -357,15 +356,6 @@ fn overrides(interface: &Interface) -> Result<Overrides> {
     }
     let linear = running.linear.iter();
     Ok(linear.fold(overrides, |overrides, name| overrides.input(name, Input::Linear)))
-}
-
-fn number_of(value: &Value) -> f64 {
-    match value {
-        Value::Real(value) => *value,
-        Value::Integer(value) => f64::from(*value),
-        Value::Boolean(value) => f64::from(u8::from(*value)),
-        Value::String(_) => 0.0,
-    }
 }
 
 /// Whether two values have the same bits.

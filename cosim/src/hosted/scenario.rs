@@ -1,6 +1,6 @@
 //! Faults and changes in a hosted system: the scenario that was exported with it.
 
-use super::{Hosted, number_of};
+use super::Hosted;
 use crate::error::Result;
 use crate::master::{Controls, Manipulator};
 use crate::time::Time;
@@ -28,7 +28,7 @@ impl Hosted {
             scenario.act(at, &mut Controls::of(&self.system, engine, at))?;
             self.acted = Some(at);
             for (end, value) in self.table.open() {
-                engine.rebase(end.port, number_of(&end.inward(value)?))?;
+                engine.rebase(end.port, end.inward(value)?.number())?;
             }
         }
         Ok(())

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use super::Stage;
 use super::interface::{Exposed, Interface, Role};
-use super::{Stage, number_of};
 use crate::error::{Code, Error, Result};
 use crate::fmi::{Basic, Kind, Value};
 use crate::master::Plan;
@@ -82,7 +82,7 @@ impl Inner {
         let Some(conversion) = &self.conversion else {
             return Ok(value.clone());
         };
-        let converted = conversion.apply(number_of(value)).ok_or_else(|| {
+        let converted = conversion.apply(value.number()).ok_or_else(|| {
             Error::new(Code::Connection, format!("a mapping of the system has no {value}"))
         })?;
         Ok(match value {

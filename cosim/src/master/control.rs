@@ -8,7 +8,7 @@
 use super::engine::Engine;
 use super::trend::{Ramp, Trend};
 use crate::error::{Code, Error, Result};
-use crate::fmi::Place;
+use crate::fmi::{Place, Scalar};
 use crate::time::Time;
 
 const SAFETY: f64 = 0.9;
@@ -21,7 +21,7 @@ pub(super) struct Control {
     largest: Time,
     /// Exponent of the error's dependence on the step: 1 / order.
     exponent: f64,
-    /// For each slot of `values`: its usual magnitude, if it counts.
+    /// For each slot of `values`: its usual magnitude, if it is a Real that counts.
     nominals: Vec<Option<f64>>,
     pub now: Time,
     /// The step to try next.
@@ -37,8 +37,8 @@ pub(super) struct Control {
 
 /// State besides the slaves that is rolled back.
 struct Kept {
-    values: Vec<f64>,
-    inputs: Vec<f64>,
+    values: Vec<Scalar>,
+    inputs: Vec<Scalar>,
     trends: Vec<Trend>,
     ramps: Vec<Ramp>,
 }
@@ -82,8 +82,8 @@ impl Control {
     }
 
     /// The greatest difference, relative to the tolerance; NaN if any value is NaN.
-    fn error(&self, whole: &[f64], halves: &[f64]) -> f64 {
-        let pairs = whole.iter().zip(halves).zip(&self.nominals);
+    fn error(&self, whole: &[Scalar], halves: &[Scalar]) -> f64 {
+        let pairs = Scalar::reals(whole).iter().zip(Scalar::reals(halves)).zip(&self.nominals);
         let parts = pairs.filter_map(|((whole, halves), nominal)| {
             let scale = self.tolerance * (nominal.as_ref()? + halves.abs());
             Some((whole - halves).abs() / scale)

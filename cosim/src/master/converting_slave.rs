@@ -6,7 +6,7 @@ use super::patched_slave::{PatchedSlave, SharedPatches};
 use super::plan::Node;
 use super::slave::{Slave, passes_on, passes_steps_on};
 use crate::error::{Code, Error, Result};
-use crate::fmi::{Place, Value};
+use crate::fmi::{Place, Scalar, Value};
 use crate::system::{Conversion, System};
 use crate::time::Time;
 
@@ -31,7 +31,7 @@ impl System {
 pub(super) struct ConvertingSlave {
     inner: Box<dyn Slave>,
     conversions: Vec<Converted>,
-    buffer: Vec<f64>,
+    buffer: Vec<Scalar>,
     slopes: Vec<f64>,
 }
 
@@ -48,20 +48,22 @@ impl ConvertingSlave {
         }
         let patches = SharedPatches::default();
         let inner = Box::new(PatchedSlave::new(inner, node, patches.clone()));
-        let buffer = vec![0.0; node.inputs.len()];
-        let slave = Self { inner, conversions, buffer: buffer.clone(), slopes: buffer };
+        let count = node.inputs.len();
+        let (buffer, slopes) = (vec![Scalar::default(); count], vec![0.0; count]);
+        let slave = Self { inner, conversions, buffer, slopes };
         (Box::new(slave), Some(patches))
     }
 }
 
 impl ConvertingSlave {
     /// Fills the buffer with the values for the inputs.
-    fn convert(&mut self, values: &[f64]) -> Result<()> {
+    fn convert(&mut self, values: &[Scalar]) -> Result<()> {
         self.buffer.copy_from_slice(values);
         for (slot, conversion, name) in &self.conversions {
             let value = self.buffer[*slot];
-            self.buffer[*slot] = conversion.apply(value).ok_or_else(|| {
-                Error::new(Code::Connection, format!("the mapping of {name} has no {value}"))
+            self.buffer[*slot] = conversion.of_scalar(value).ok_or_else(|| {
+                let what = format!("the mapping of {name} has no {}", value.as_integer());
+                Error::new(Code::Connection, what)
                     .help("add a <ssc:MapEntry> for it to the connection")
             })?;
         }
@@ -81,12 +83,12 @@ impl Slave for ConvertingSlave {
     passes_on!(inner);
     passes_steps_on!(inner);
 
-    fn set(&mut self, values: &[f64]) -> Result<()> {
+    fn set(&mut self, values: &[Scalar]) -> Result<()> {
         self.convert(values)?;
         self.inner.set(&self.buffer)
     }
 
-    fn ramp(&mut self, values: &[f64], slopes: &[f64]) -> Result<()> {
+    fn ramp(&mut self, values: &[Scalar], slopes: &[f64]) -> Result<()> {
         self.convert(values)?;
         self.scale(slopes);
         self.inner.ramp(&self.buffer, &self.slopes)
@@ -97,7 +99,7 @@ impl Slave for ConvertingSlave {
         self.inner.tangent(&self.slopes, outputs)
     }
 
-    fn get(&mut self, values: &mut [f64]) -> Result<()> {
+    fn get(&mut self, values: &mut [Scalar]) -> Result<()> {
         self.inner.get(values)
     }
 
@@ -105,7 +107,7 @@ impl Slave for ConvertingSlave {
         self.inner.slopes(slopes)
     }
 
-    fn read(&mut self, values: &mut [f64]) -> Result<()> {
+    fn read(&mut self, values: &mut [Scalar]) -> Result<()> {
         self.inner.read(values)
     }
 }

@@ -18,7 +18,7 @@ pub(crate) trait Drive {
     /// Ends at `now` all steps that have begun and would end later, because the run ends there.
     fn conclude(&mut self, now: Time) -> Result<()>;
 
-    /// The recorded values of the current instant `now`.
+    /// The recorded values of the current instant `now`, as numbers ([`Scalar::number`]).
     fn sample(&mut self, now: Time, row: &mut [f64]) -> Result<()>;
 
     /// Changes a variable of a component from now on.
@@ -49,9 +49,7 @@ impl Drive for Engine {
 
     fn sample(&mut self, now: Time, row: &mut [f64]) -> Result<()> {
         self.read_recorded(now)?;
-        for (value, &slot) in row.iter_mut().zip(&self.plan.columns) {
-            *value = self.values[slot];
-        }
+        self.plan.row(&self.values, row);
         Ok(())
     }
 

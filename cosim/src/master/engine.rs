@@ -12,6 +12,7 @@ use super::plan::{Node, Plan, Route};
 use super::slave::Slave;
 use super::trend::{Ramp, Trend};
 use crate::error::Result;
+use crate::fmi::Scalar;
 use crate::time::{Step, Time};
 
 pub(crate) struct Engine {
@@ -23,8 +24,8 @@ pub(crate) struct Engine {
     /// Where the current sequence of steps ends: recorded variables are read there.
     pub(super) limit: Time,
     pub(crate) slaves: Vec<Box<dyn Slave>>,
-    pub(crate) values: Vec<f64>,
-    pub(super) inputs: Vec<f64>,
+    pub(crate) values: Vec<Scalar>,
+    pub(super) inputs: Vec<Scalar>,
     /// For each component.
     pub(super) paces: Vec<Pace>,
     /// When the first of the current steps ends.
@@ -90,8 +91,8 @@ impl Engine {
             steps: Steps::new(&plan, &slaves),
             limit: start,
             reading: those(&|node| !node.recorded.is_empty()),
-            values: vec![0.0; plan.values],
-            inputs: vec![0.0; plan.inputs],
+            values: vec![Scalar::default(); plan.values],
+            inputs: vec![Scalar::default(); plan.inputs],
             next: plan
                 .nodes
                 .iter()
@@ -138,11 +139,11 @@ impl Engine {
     /// final after one pass; a second one passes on the held inputs, on which no output depends
     /// directly.
     pub(crate) fn settle(&mut self) -> Result<()> {
-        let mut before = vec![0; self.values.len()];
+        let mut before = Vec::with_capacity(self.values.len());
         for _ in 0..passes(&self.plan) {
-            before.iter_mut().zip(&self.values).for_each(|(b, v)| *b = v.to_bits());
+            before.clone_from(&self.values);
             self.with_sequence(|engine, sequence| engine.pass(sequence))?;
-            if before.iter().zip(&self.values).all(|(b, v)| *b == v.to_bits()) {
+            if before == self.values {
                 return Ok(());
             }
         }
@@ -453,7 +454,7 @@ pub(crate) fn passes(plan: &Plan) -> usize {
 }
 
 #[inline]
-pub(super) fn copy(routes: &[Route], values: &[f64], inputs: &mut [f64]) {
+pub(super) fn copy(routes: &[Route], values: &[Scalar], inputs: &mut [Scalar]) {
     for route in routes {
         inputs[route.to] = values[route.from];
     }
@@ -462,8 +463,8 @@ pub(super) fn copy(routes: &[Route], values: &[f64], inputs: &mut [f64]) {
 pub(super) fn exchange(
     node: &Node,
     slave: &mut dyn Slave,
-    inputs: &[f64],
-    values: &mut [f64],
+    inputs: &[Scalar],
+    values: &mut [Scalar],
 ) -> Result<()> {
     if !node.input_slots.is_empty() {
         slave.set(&inputs[node.input_slots.clone()])?;

@@ -7,23 +7,24 @@
 
 use std::sync::Arc;
 
-use super::fmu_slave::{assign, give, instantiate, look, tangent};
+use super::fmu_slave::{give, instantiate, look, tangent};
 use super::group::Group;
 use super::plan::Node;
 use super::slave::Slave;
 use super::start::StartValues;
 use crate::error::{Code, Error, Result};
-use crate::fmi::{Fmu, Instance, InterfaceType, Kind, Logging, Phase, Place, Value, Variability};
+use crate::fmi::{
+    Fmu, Instance, InterfaceType, Kind, Logging, Phase, Place, Scalar, Value, Variability,
+};
 use crate::solver::{Continuous, Settings};
 use crate::system::Component;
-use crate::texts;
 use crate::time::{Step, Time};
 
 pub(super) struct ExchangeSlave {
     instance: Instance,
     solver: Continuous,
-    /// The integration, and the discrete inputs of the saved FMU, by slot.
-    saved: [Option<(Continuous, Vec<f64>)>; Place::COUNT],
+    /// The integration, and the discrete inputs of the saved FMU, by place.
+    saved: [Option<(Continuous, Option<Vec<Scalar>>)>; Place::COUNT],
     start: Time,
     continuous: Inputs,
     discrete: Inputs,
@@ -42,8 +43,8 @@ struct Inputs {
     group: Group,
     /// Their positions among all inputs.
     places: Vec<usize>,
-    /// The values set last.
-    values: Vec<f64>,
+    /// The values set last, if they have been set.
+    values: Option<Vec<Scalar>>,
 }
 
 impl Inputs {
@@ -53,45 +54,56 @@ impl Inputs {
         let places: Vec<usize> = (0..inputs.len()).filter(|&p| is(p) == continuous).collect();
         let positions: Vec<usize> = places.iter().map(|&p| inputs[p]).collect();
         let group = Group::new(variables, &positions);
-        Self { group, values: vec![f64::NAN; places.len()], places }
+        Self { group, places, values: None }
     }
 
     /// Extracts its own values from those of all inputs; returns whether any has changed.
-    fn take(&mut self, all: &[f64]) -> bool {
-        let mut changed = false;
-        for (value, &place) in self.values.iter_mut().zip(&self.places) {
-            changed |= value.to_bits() != all[place].to_bits();
+    fn take(&mut self, all: &[Scalar]) -> bool {
+        let mut changed = self.values.is_none() && !self.places.is_empty();
+        let values = self.values.get_or_insert_with(|| vec![Scalar::default(); self.places.len()]);
+        for (value, &place) in values.iter_mut().zip(&self.places) {
+            changed |= *value != all[place];
             *value = all[place];
         }
         changed
     }
 
+    fn values(&self) -> &[Scalar] {
+        self.values.as_deref().unwrap_or_default()
+    }
+
     fn set(&mut self, instance: &mut Instance) -> Result<()> {
-        self.group.set(instance, &self.values)
+        match &self.values {
+            Some(values) => self.group.set(instance, values),
+            None => Ok(()),
+        }
     }
 
     /// For another process, in which Strings have other numbers. `None`: not set yet.
-    fn kept(&mut self) -> Kept {
-        let texts = self.group.texts(&mut self.values).iter();
-        let texts = texts.map(|text| (!text.is_nan()).then(|| texts::text(*text).to_string()));
-        (texts.collect(), self.values.clone())
+    fn kept(&self) -> Option<Kept> {
+        let mut values = self.values.clone()?;
+        let texts = self.group.texts(&mut values).iter().map(|text| text.as_text().to_string());
+        Some((texts.collect(), values))
     }
 
     /// Takes them back; returns whether they fit.
-    fn resume(&mut self, (texts, values): Kept) -> bool {
-        let fits = values.len() == self.values.len();
+    fn resume(&mut self, kept: Option<Kept>) -> bool {
+        let Some((texts, mut values)) = kept else {
+            self.values = None;
+            return true;
+        };
+        let fits = values.len() == self.places.len();
         if fits {
-            self.values = values;
-            for (value, text) in self.group.texts(&mut self.values).iter_mut().zip(texts) {
-                *value = text.map_or(f64::NAN, |text| texts::number(&text));
-            }
+            let own = self.group.texts(&mut values).iter_mut();
+            own.zip(texts).for_each(|(value, text)| *value = Scalar::text(&text));
+            self.values = Some(values);
         }
         fits
     }
 }
 
 /// The Strings of inputs, and all their values.
-type Kept = (Vec<Option<String>>, Vec<f64>);
+type Kept = (Vec<String>, Vec<Scalar>);
 
 impl ExchangeSlave {
     pub(super) fn new(
@@ -143,7 +155,7 @@ impl Slave for ExchangeSlave {
         self.instance.reset()?;
         self.start_values.again(&mut self.instance)?;
         // The FMU has the default values of its description again, which are not known here.
-        self.discrete.values.fill(f64::NAN);
+        self.discrete.values = None;
         self.enter_initialization(now, stop)?;
         self.exit_initialization()?;
         // What is odd about its start has been reported.
@@ -151,7 +163,7 @@ impl Slave for ExchangeSlave {
         Ok(())
     }
 
-    fn set(&mut self, values: &[f64]) -> Result<()> {
+    fn set(&mut self, values: &[Scalar]) -> Result<()> {
         self.solver.ramp(&[], &[], &[]);
         let jump = self.discrete.take(values);
         self.continuous.take(values);
@@ -169,11 +181,12 @@ impl Slave for ExchangeSlave {
         })
     }
 
-    fn ramp(&mut self, values: &[f64], slopes: &[f64]) -> Result<()> {
+    fn ramp(&mut self, values: &[Scalar], slopes: &[f64]) -> Result<()> {
         self.set(values)?;
         let reals = self.continuous.group.reals();
         let own: Vec<f64> = self.continuous.places.iter().map(|&place| slopes[place]).collect();
-        self.solver.ramp(reals, &self.continuous.values[..reals.len()], &own[..reals.len()]);
+        let values = Scalar::reals(&self.continuous.values()[..reals.len()]);
+        self.solver.ramp(reals, values, &own[..reals.len()]);
         Ok(())
     }
 
@@ -183,7 +196,7 @@ impl Slave for ExchangeSlave {
         Ok(start + step)
     }
 
-    fn get(&mut self, values: &mut [f64]) -> Result<()> {
+    fn get(&mut self, values: &mut [Scalar]) -> Result<()> {
         self.outputs.get(&mut self.instance, values)
     }
 
@@ -198,28 +211,18 @@ impl Slave for ExchangeSlave {
         }
     }
 
-    fn read(&mut self, values: &mut [f64]) -> Result<()> {
+    fn read(&mut self, values: &mut [Scalar]) -> Result<()> {
         self.recorded.get(&mut self.instance, values)
     }
 
-    fn assign(&mut self, variable: usize, value: f64) -> Result<()> {
+    fn give(&mut self, variable: usize, value: &Value) -> Result<()> {
         let described = &self.instance.fmu().description().variables[variable];
         let smooth =
             described.variability == Variability::Continuous && described.kind == Kind::Real;
         if smooth || self.instance.phase() != Phase::Continuous {
-            return assign(&mut self.instance, variable, value);
+            return give(&mut self.instance, variable, value);
         }
-        self.solver.event(&mut self.instance, |instance| assign(instance, variable, value))
-    }
-
-    fn give(&mut self, variable: usize, value: &Value) -> Result<()> {
-        match (self.instance.phase(), value) {
-            (Phase::Continuous, Value::Real(value)) => self.assign(variable, *value),
-            (Phase::Continuous, _) => {
-                self.solver.event(&mut self.instance, |instance| give(instance, variable, value))
-            }
-            _ => give(&mut self.instance, variable, value),
-        }
+        self.solver.event(&mut self.instance, |instance| give(instance, variable, value))
     }
 
     fn look(&mut self, variable: usize) -> Result<Value> {
@@ -260,7 +263,7 @@ impl Slave for ExchangeSlave {
     }
 
     fn deserialize(&mut self, state: &[u8], time: Time) -> Result<()> {
-        let (fmu, solver, discrete, continuous): (Vec<u8>, _, Kept, Kept) =
+        let (fmu, solver, discrete, continuous): (Vec<u8>, _, Option<Kept>, Option<Kept>) =
             postcard::from_bytes(state).map_err(|e| self.unusable(&e))?;
         self.instance.deserialize(&fmu, time)?;
         if !self.discrete.resume(discrete)

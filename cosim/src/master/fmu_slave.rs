@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::error::{Code, Error, Result};
 use crate::fmi::guard::Float;
-use crate::fmi::{Fmu, Instance, InterfaceType, Kind, Logging, Place, Unusual, Value};
+use crate::fmi::{Fmu, Instance, InterfaceType, Logging, Place, Scalar, Unusual, Value};
 use crate::system::Component;
 use crate::time::{Step, Time};
 
@@ -38,7 +38,7 @@ pub(super) struct FmuSlave {
     start_values: StartValues,
     warnings: Vec<String>,
     /// The inputs of this step and their slopes, if any.
-    ramp: (Vec<f64>, Vec<f64>),
+    ramp: (Vec<Scalar>, Vec<f64>),
     /// It provides derivatives of its outputs in time, and with respect to its inputs.
     output_slopes: bool,
     tangents: bool,
@@ -133,11 +133,12 @@ impl FmuSlave {
             return Ok(());
         }
         let (values, slopes) = &self.ramp;
-        let moved = values.iter().zip(slopes).map(|(v, s)| v + s * since.seconds());
-        let moved: Vec<f64> = moved.collect();
+        let (mut moved, count) = (values.clone(), self.inputs.reals().len());
+        for (value, slope) in Scalar::reals_mut(&mut moved[..count]).iter_mut().zip(slopes) {
+            *value += slope * since.seconds();
+        }
         self.inputs.set(&mut self.instance, &moved)?;
-        let reals = self.inputs.reals();
-        self.instance.set_input_derivatives(reals, &slopes[..reals.len()])
+        self.instance.set_input_derivatives(self.inputs.reals(), &slopes[..count])
     }
 }
 
@@ -179,11 +180,11 @@ impl Slave for FmuSlave {
     }
 
     #[inline(always)]
-    fn set(&mut self, values: &[f64]) -> Result<()> {
+    fn set(&mut self, values: &[Scalar]) -> Result<()> {
         self.inputs.set(&mut self.instance, values)
     }
 
-    fn ramp(&mut self, values: &[f64], slopes: &[f64]) -> Result<()> {
+    fn ramp(&mut self, values: &[Scalar], slopes: &[f64]) -> Result<()> {
         self.ramp.0.clear();
         self.ramp.0.extend_from_slice(values);
         self.ramp.1.clear();
@@ -201,7 +202,7 @@ impl Slave for FmuSlave {
     }
 
     #[inline(always)]
-    fn get(&mut self, values: &mut [f64]) -> Result<()> {
+    fn get(&mut self, values: &mut [Scalar]) -> Result<()> {
         self.outputs.get(&mut self.instance, values)
     }
 
@@ -223,12 +224,8 @@ impl Slave for FmuSlave {
         }
     }
 
-    fn read(&mut self, values: &mut [f64]) -> Result<()> {
+    fn read(&mut self, values: &mut [Scalar]) -> Result<()> {
         self.recorded.get(&mut self.instance, values)
-    }
-
-    fn assign(&mut self, variable: usize, value: f64) -> Result<()> {
-        assign(&mut self.instance, variable, value)
     }
 
     fn give(&mut self, variable: usize, value: &Value) -> Result<()> {
@@ -307,22 +304,6 @@ pub(super) fn tangent(
     let (of_reals, rest) = result.split_at_mut(unknowns.len());
     rest.fill(0.0);
     instance.directional_derivative(unknowns, knowns, &seed[..knowns.len()], of_reals)
-}
-
-/// Sets one variable according to its type.
-pub(super) fn assign(instance: &mut Instance, variable: usize, value: f64) -> Result<()> {
-    let fmu = instance.fmu().clone();
-    let described = &fmu.description().variables[variable];
-    let value = match described.kind {
-        Kind::Real => Value::Real(value),
-        Kind::Integer | Kind::Enumeration(_) => Value::Integer(value.round() as i32),
-        Kind::Boolean => Value::Boolean(value != 0.0),
-        Kind::String => {
-            return Err(Error::new(Code::Parameter, format!("'{}' is a String", described.name))
-                .why("only numbers and Booleans are set while a system runs"));
-        }
-    };
-    instance.set_value(described, &value)
 }
 
 /// Sets one variable to a value of its type.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::plan::Node;
 use super::slave::Slave;
 use crate::error::{Code, Error, Result};
-use crate::fmi::{Place, Value};
+use crate::fmi::{Place, Scalar, Value};
 use crate::system::Function;
 use crate::time::Time;
 
@@ -40,8 +40,9 @@ impl FunctionSlave {
     }
 }
 
-fn pick(all: &[f64], positions: &[usize], values: &mut [f64]) {
-    values.iter_mut().zip(positions).for_each(|(value, &position)| *value = all[position]);
+fn pick(all: &[f64], positions: &[usize], values: &mut [Scalar]) {
+    let pairs = values.iter_mut().zip(positions);
+    pairs.for_each(|(value, &position)| *value = Scalar::real(all[position]));
 }
 
 impl Slave for FunctionSlave {
@@ -57,15 +58,15 @@ impl Slave for FunctionSlave {
         Ok(())
     }
 
-    fn set(&mut self, values: &[f64]) -> Result<()> {
+    fn set(&mut self, values: &[Scalar]) -> Result<()> {
         for (&position, &value) in self.inputs.iter().zip(values) {
-            self.values[position] = value;
+            self.values[position] = value.as_real();
         }
         self.evaluate();
         Ok(())
     }
 
-    fn ramp(&mut self, values: &[f64], _slopes: &[f64]) -> Result<()> {
+    fn ramp(&mut self, values: &[Scalar], _slopes: &[f64]) -> Result<()> {
         self.set(values)
     }
 
@@ -73,7 +74,7 @@ impl Slave for FunctionSlave {
         Ok(start + step)
     }
 
-    fn get(&mut self, values: &mut [f64]) -> Result<()> {
+    fn get(&mut self, values: &mut [Scalar]) -> Result<()> {
         pick(&self.values, &self.outputs, values);
         Ok(())
     }
@@ -91,22 +92,18 @@ impl Slave for FunctionSlave {
         Ok(true)
     }
 
-    fn read(&mut self, values: &mut [f64]) -> Result<()> {
+    fn read(&mut self, values: &mut [Scalar]) -> Result<()> {
         pick(&self.values, &self.recorded, values);
         Ok(())
     }
 
-    fn assign(&mut self, variable: usize, value: f64) -> Result<()> {
-        self.values[variable] = value;
+    fn give(&mut self, variable: usize, value: &Value) -> Result<()> {
+        let Value::Real(value) = value else {
+            return Err(Error::new(Code::Parameter, "the ports of a sum are Reals"));
+        };
+        self.values[variable] = *value;
         self.evaluate();
         Ok(())
-    }
-
-    fn give(&mut self, variable: usize, value: &Value) -> Result<()> {
-        match value {
-            Value::Real(value) => self.assign(variable, *value),
-            _ => Err(Error::new(Code::Parameter, "the ports of a sum are Reals")),
-        }
     }
 
     fn look(&mut self, variable: usize) -> Result<Value> {

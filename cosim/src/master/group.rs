@@ -1,11 +1,10 @@
 //! Variables of one instance that are exchanged together.
 
 use crate::error::Result;
-use crate::fmi::{Instance, Kind, Variable};
-use crate::texts;
+use crate::fmi::{Instance, Kind, Scalar, Variable};
 
 /// Variables that are set or read together, with one FMI call per type. A plan lists Reals first,
-/// then Integers, then Booleans, then Strings by number ([`rank`], [`texts`]).
+/// then Integers, then Booleans, then Strings ([`rank`]).
 #[repr(C)]
 pub(super) struct Group {
     reals: Vec<u32>,
@@ -43,7 +42,7 @@ impl Group {
     }
 
     /// The values of Strings, which come last.
-    pub(super) fn texts<'v>(&self, values: &'v mut [f64]) -> &'v mut [f64] {
+    pub(super) fn texts<'v>(&self, values: &'v mut [Scalar]) -> &'v mut [Scalar] {
         let first = values.len() - self.strings.len();
         &mut values[first..]
     }
@@ -55,15 +54,15 @@ impl Group {
     }
 
     #[inline(always)]
-    pub(super) fn set(&mut self, instance: &mut Instance, values: &[f64]) -> Result<()> {
+    pub(super) fn set(&mut self, instance: &mut Instance, values: &[Scalar]) -> Result<()> {
         let (reals, rest) = values.split_at(self.reals.len());
         if !reals.is_empty() {
-            instance.set_real(&self.reals, reals)?;
+            instance.set_real(&self.reals, Scalar::reals(reals))?;
         }
         if rest.is_empty() { Ok(()) } else { self.set_rest(instance, rest) }
     }
 
-    fn set_rest(&mut self, instance: &mut Instance, rest: &[f64]) -> Result<()> {
+    fn set_rest(&mut self, instance: &mut Instance, rest: &[Scalar]) -> Result<()> {
         let (integers, rest) = rest.split_at(self.integers.len());
         let (booleans, strings) = rest.split_at(self.booleans.len());
         if !integers.is_empty() {
@@ -74,45 +73,51 @@ impl Group {
             let buffer = fill(&mut self.buffer, booleans);
             instance.set_boolean(&self.booleans, buffer)?;
         }
-        for (reference, number) in self.strings.iter().zip(strings) {
-            instance.set_string(*reference, &texts::text(*number))?;
+        for (reference, text) in self.strings.iter().zip(strings) {
+            instance.set_string(*reference, &text.as_text())?;
         }
         Ok(())
     }
 
     #[inline(always)]
-    pub(super) fn get(&mut self, instance: &mut Instance, values: &mut [f64]) -> Result<()> {
+    pub(super) fn get(&mut self, instance: &mut Instance, values: &mut [Scalar]) -> Result<()> {
         let (reals, rest) = values.split_at_mut(self.reals.len());
         if !reals.is_empty() {
-            instance.get_real(&self.reals, reals)?;
+            instance.get_real(&self.reals, Scalar::reals_mut(reals))?;
         }
         if rest.is_empty() { Ok(()) } else { self.get_rest(instance, rest) }
     }
 
-    fn get_rest(&mut self, instance: &mut Instance, rest: &mut [f64]) -> Result<()> {
+    fn get_rest(&mut self, instance: &mut Instance, rest: &mut [Scalar]) -> Result<()> {
         let (integers, rest) = rest.split_at_mut(self.integers.len());
         let (booleans, strings) = rest.split_at_mut(self.booleans.len());
         if !integers.is_empty() {
             let buffer = &mut self.buffer[..integers.len()];
             instance.get_integer(&self.integers, buffer)?;
-            integers.iter_mut().zip(buffer).for_each(|(to, from)| *to = f64::from(*from));
+            integers
+                .iter_mut()
+                .zip(buffer)
+                .for_each(|(to, from)| *to = Scalar::integer(i64::from(*from)));
         }
         if !booleans.is_empty() {
             let buffer = &mut self.buffer[..booleans.len()];
             instance.get_boolean(&self.booleans, buffer)?;
             // Any number except 0 is true in C.
-            booleans.iter_mut().zip(buffer).for_each(|(to, from)| *to = f64::from(*from != 0));
+            booleans
+                .iter_mut()
+                .zip(buffer)
+                .for_each(|(to, from)| *to = Scalar::boolean(*from != 0));
         }
-        for (reference, number) in self.strings.iter().zip(strings) {
-            *number = texts::number(&instance.get_string(*reference)?);
+        for (reference, text) in self.strings.iter().zip(strings) {
+            *text = Scalar::text(&instance.get_string(*reference)?);
         }
         Ok(())
     }
 }
 
-/// Exact: the values came from an i32 or a Boolean, or from a file (then they are rounded).
-fn fill<'b>(buffer: &'b mut [i32], values: &[f64]) -> &'b [i32] {
+/// In the form of FMI 2.0.
+fn fill<'b>(buffer: &'b mut [i32], values: &[Scalar]) -> &'b [i32] {
     let buffer = &mut buffer[..values.len()];
-    buffer.iter_mut().zip(values).for_each(|(to, from)| *to = from.round() as i32);
+    buffer.iter_mut().zip(values).for_each(|(to, from)| *to = from.as_short_integer());
     buffer
 }

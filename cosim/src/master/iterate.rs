@@ -10,7 +10,7 @@ use super::engine::{Engine, copy, exchange};
 use super::newton::{self, Outcome};
 use super::plan::Cut;
 use crate::error::{Code, Error, Result};
-use crate::fmi::Place;
+use crate::fmi::{Place, Scalar};
 use crate::time::Time;
 
 /// Statistics of the iterations of one loop.
@@ -130,7 +130,7 @@ impl Engine {
         members: &[usize],
         pass: &mut dyn FnMut(&mut Self) -> Result<()>,
     ) -> Result<Outcome> {
-        let mut unknown: Vec<f64> = cuts.iter().map(|cut| self.values[cut.route.from]).collect();
+        let mut unknown: Vec<f64> = cuts.iter().map(|cut| cut.number(&self.values)).collect();
         newton::solve(&mut unknown, &mut OneLoop { engine: self, cuts, members, pass })
     }
 
@@ -177,11 +177,11 @@ struct OneLoop<'a, 'p> {
 impl newton::Function for OneLoop<'_, '_> {
     fn value(&mut self, v: &[f64], image: &mut [f64]) -> Result<()> {
         for (cut, v) in self.cuts.iter().zip(v) {
-            self.engine.inputs[cut.route.to] = *v;
+            self.engine.inputs[cut.route.to] = Scalar::of_number(cut.basic, *v);
         }
         (self.pass)(self.engine)?;
         for (cut, image) in self.cuts.iter().zip(image) {
-            *image = self.engine.values[cut.route.from];
+            *image = cut.number(&self.engine.values);
         }
         Ok(())
     }

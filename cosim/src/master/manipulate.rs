@@ -12,7 +12,7 @@ use super::engine::Engine;
 use super::patched_slave::{Patch, Patched, PatchedSlave, SharedPatches, release};
 use crate::error::{Code, Error, Result};
 use crate::fault::{Acting, Way};
-use crate::fmi::{Causality, Kind, Value, Variability, Variable};
+use crate::fmi::{Basic, Causality, Kind, Scalar, Value, Variability, Variable};
 use crate::names;
 use crate::observe::Stop;
 use crate::system::{Port, System};
@@ -104,7 +104,8 @@ impl Controls<'_> {
     /// An action on a whole component, represented by its first variable.
     fn act_on(&mut self, component: &str, act: Act) -> Result<()> {
         let component = self.system.resettable(component)?;
-        let change = Change { variable: 0, way: Way::Output, act, start: 0.0 };
+        let basic = self.system.basic(Port { component, variable: 0 });
+        let change = Change { variable: 0, basic, way: Way::Output, act, start: 0.0 };
         self.driven.change(component, change, self.now)
     }
 
@@ -122,7 +123,8 @@ impl Controls<'_> {
     fn change(&mut self, name: &str, act: Act) -> Result<()> {
         let port = self.system.manipulable(name)?;
         let (start, way) = (start_of(self.system, port), self.system.way(port));
-        let change = Change { variable: port.variable, way, act, start };
+        let (variable, basic) = (port.variable, self.system.basic(port));
+        let change = Change { variable, basic, way, act, start };
         self.driven.change(port.component, change, self.now)
     }
 }
@@ -130,8 +132,9 @@ impl Controls<'_> {
 /// A manipulation of one variable of a component.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Change {
-    /// Position of the variable.
+    /// Position of the variable, and its type.
     pub variable: usize,
+    pub basic: Basic,
     /// How its value gets to the component or from it.
     pub way: Way,
     /// What is done to it.
@@ -158,7 +161,7 @@ pub(crate) enum Act {
 impl Engine {
     /// Changes a variable from now on.
     pub(crate) fn change(&mut self, component: usize, change: Change) -> Result<()> {
-        let Change { variable, way, act, start } = change;
+        let Change { variable, basic, way, act, start } = change;
         if let Act::Reset(now, stop) = act {
             return self.reset(component, now, stop);
         }
@@ -182,7 +185,7 @@ impl Engine {
         };
         if let Some(patch @ Patch::Fault(_)) = fault {
             // It is applied with the next step.
-            patches.push(Patched { variable, way, start, given: start, patch });
+            patches.push(Patched { variable, basic, way, start, given: start, patch });
             release(&mut patches);
             return Ok(());
         }
@@ -194,11 +197,11 @@ impl Engine {
         };
         if way == Way::Free {
             // The slave must not be borrowed during the assignment.
-            self.slaves[component].assign(variable, value)?;
+            self.slaves[component].give(variable, &Scalar::of_number(basic, value).value(basic))?;
             patches.iter_mut().filter(|p| own(p)).for_each(|patched| patched.given = value);
         }
         // The assigned value is also kept in the list, for a snapshot.
-        let patched = |patch| Patched { variable, way, start, given: value, patch };
+        let patched = |patch| Patched { variable, basic, way, start, given: value, patch };
         let place = patches.iter().position(own).unwrap_or(patches.len());
         if let Some(patch) = fault {
             patches.insert(place, patched(patch));
@@ -214,7 +217,7 @@ impl Engine {
             match patched.patch {
                 // It is applied with the next step.
                 Patch::Fault(_) => patched.given = patched.start,
-                _ => self.slaves[component].assign(patched.variable, patched.given)?,
+                _ => self.slaves[component].give(patched.variable, &patched.given())?,
             }
         }
         Ok(())
@@ -225,7 +228,7 @@ impl Engine {
         let slave = &mut self.slaves[port.component];
         slave.came_to(now);
         slave.give(port.variable, value)?;
-        self.rebase(port, number(value))
+        self.rebase(port, value.number())
     }
 
     /// Actions on an unconnected variable apply to this value, which its component has.
@@ -238,7 +241,8 @@ impl Engine {
             patched.start = value;
             if !patched.patch.is_fault() {
                 given = patched.patch.apply(given);
-                self.slaves[port.component].assign(port.variable, given)?;
+                patched.given = given;
+                self.slaves[port.component].give(port.variable, &patched.given())?;
             }
         }
         // Faults are applied with the next step.
@@ -327,6 +331,13 @@ impl System {
 }
 
 impl System {
+    /// The type of a variable.
+    pub(super) fn basic(&self, port: Port) -> Basic {
+        let description = self.components()[port.component].model.description();
+        let variable = description.and_then(|d| d.variables.get(port.variable));
+        variable.map_or(Basic::Real, |variable| variable.kind.basic())
+    }
+
     /// How the values of a variable get to its component, or from it.
     fn way(&self, port: Port) -> Way {
         let description = self.components()[port.component].model.description();
@@ -355,15 +366,5 @@ fn start_of(system: &System, port: Port) -> f64 {
     let given = component.start_values.iter().rev().find(|(v, _)| *v == port.variable);
     let description = component.model.description();
     let declared = description.and_then(|d| d.variables[port.variable].start.as_ref());
-    given.map(|(_, value)| value).or(declared).map_or(0.0, number)
-}
-
-/// A value as a number; a String is 0.
-pub(super) fn number(value: &Value) -> f64 {
-    match value {
-        Value::Real(value) => *value,
-        Value::Integer(value) => f64::from(*value),
-        Value::Boolean(value) => f64::from(u8::from(*value)),
-        Value::String(_) => 0.0,
-    }
+    given.map(|(_, value)| value).or(declared).map_or(0.0, Value::number)
 }

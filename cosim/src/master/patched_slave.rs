@@ -9,12 +9,11 @@ use std::rc::Rc;
 
 use serde::{Deserialize, Serialize};
 
-use super::manipulate::number;
 use super::plan::Node;
 use super::slave::{Slave, passes_on};
 use crate::error::Result;
 use crate::fault::{Acting, Way};
-use crate::fmi::{Place, Value};
+use crate::fmi::{Basic, Place, Scalar, Value};
 use crate::time::Time;
 
 /// A manipulation of a value.
@@ -50,13 +49,21 @@ impl Patch {
 /// A variable of a component and one of its manipulations.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Patched {
-    /// Position of the variable.
+    /// Position of the variable, and its type.
     pub variable: usize,
+    pub basic: Basic,
     pub way: Way,
     /// The value of a free variable without this, and the value that was set last.
     pub start: f64,
     pub given: f64,
     pub patch: Patch,
+}
+
+impl Patched {
+    /// The value that was set last.
+    pub(super) fn given(&self) -> Value {
+        Scalar::of_number(self.basic, self.given).value(self.basic)
+    }
 }
 
 /// The patches of one component; those of one variable act in order.
@@ -90,7 +97,7 @@ pub(super) struct PatchedSlave {
     /// The patches that belong to the saved states.
     kept: [Patches; Place::COUNT],
     /// Buffers for inputs and slopes.
-    values: Vec<f64>,
+    values: Vec<Scalar>,
     slopes: Vec<f64>,
 }
 
@@ -106,21 +113,22 @@ impl PatchedSlave {
         patches: &'a mut Patches,
         way: Way,
         variables: &'a [usize],
-    ) -> impl Iterator<Item = (usize, &'a mut Patch)> {
+    ) -> impl Iterator<Item = (usize, &'a mut Patched)> {
         patches.iter_mut().filter(move |patched| patched.way == way).filter_map(|patched| {
-            Some((variables.iter().position(|&v| v == patched.variable)?, &mut patched.patch))
+            Some((variables.iter().position(|&v| v == patched.variable)?, patched))
         })
     }
 
-    fn patch(patches: &mut Patches, way: Way, variables: &[usize], values: &mut [f64]) {
-        for (place, patch) in Self::places(patches, way, variables) {
-            values[place] = patch.apply(values[place]);
+    fn patch(patches: &mut Patches, way: Way, variables: &[usize], values: &mut [Scalar]) {
+        for (place, Patched { basic, patch, .. }) in Self::places(patches, way, variables) {
+            let number = patch.apply(values[place].number(*basic));
+            values[place] = Scalar::of_number(*basic, number);
         }
     }
 
     /// Slopes are patched too: an overridden value stays constant.
     fn slope(patches: &mut Patches, way: Way, variables: &[usize], slopes: &mut [f64]) {
-        for (place, patch) in Self::places(patches, way, variables) {
+        for (place, Patched { patch, .. }) in Self::places(patches, way, variables) {
             let factor = patch.slope();
             slopes[place] = if factor == 0.0 { 0.0 } else { slopes[place] * factor };
         }
@@ -134,7 +142,7 @@ impl PatchedSlave {
     fn give_free(&mut self) -> Result<()> {
         let mut patches = self.patches.borrow_mut();
         for place in 0..patches.len() {
-            let Patched { variable, way, start, given, .. } = patches[place];
+            let Patched { variable, basic, way, start, given, .. } = patches[place];
             let own = |patched: &Patched| patched.variable == variable;
             let first = patches.iter().position(own) == Some(place);
             if way != Way::Free || !first {
@@ -143,7 +151,7 @@ impl PatchedSlave {
             let all = patches.iter_mut().filter(|patched| own(patched));
             let value = all.fold(start, |value, patched| patched.patch.apply(value));
             if value.to_bits() != given.to_bits() {
-                self.inner.assign(variable, value)?;
+                self.inner.give(variable, &Scalar::of_number(basic, value).value(basic))?;
                 patches.iter_mut().filter(|p| own(p)).for_each(|p| p.given = value);
             }
         }
@@ -165,7 +173,7 @@ impl PatchedSlave {
             let looks_back =
                 matches!(&patches[place].patch, Patch::Fault(fault) if fault.remembers());
             if way == Way::Output && looks_back && !self.outputs.contains(&variable) {
-                let value = number(&self.inner.look(variable)?);
+                let value = self.inner.look(variable)?.number();
                 let all = patches.iter_mut().filter(|patched| patched.variable == variable);
                 all.fold(value, |value, patched| patched.patch.apply(value));
             }
@@ -199,14 +207,14 @@ impl Slave for PatchedSlave {
         self.inner.restore(place, time)
     }
 
-    fn set(&mut self, values: &[f64]) -> Result<()> {
+    fn set(&mut self, values: &[Scalar]) -> Result<()> {
         self.values.clear();
         self.values.extend_from_slice(values);
         Self::patch(&mut self.patches.borrow_mut(), Way::Input, &self.inputs, &mut self.values);
         self.inner.set(&self.values)
     }
 
-    fn ramp(&mut self, values: &[f64], slopes: &[f64]) -> Result<()> {
+    fn ramp(&mut self, values: &[Scalar], slopes: &[f64]) -> Result<()> {
         self.values.clear();
         self.values.extend_from_slice(values);
         self.slopes.clear();
@@ -216,7 +224,7 @@ impl Slave for PatchedSlave {
         self.inner.ramp(&self.values, &self.slopes)
     }
 
-    fn get(&mut self, values: &mut [f64]) -> Result<()> {
+    fn get(&mut self, values: &mut [Scalar]) -> Result<()> {
         self.inner.get(values)?;
         Self::patch(&mut self.patches.borrow_mut(), Way::Output, &self.outputs, values);
         Ok(())
@@ -237,7 +245,7 @@ impl Slave for PatchedSlave {
         Ok(known)
     }
 
-    fn read(&mut self, values: &mut [f64]) -> Result<()> {
+    fn read(&mut self, values: &mut [Scalar]) -> Result<()> {
         self.inner.read(values)?;
         Self::patch(&mut self.patches.borrow_mut(), Way::Output, &self.recorded, values);
         Ok(())

@@ -9,9 +9,8 @@ use std::ops::Range;
 use serde::{Deserialize, Serialize};
 
 use super::group::rank;
-use crate::fmi::Kind;
-use crate::system::{Connection, Port, System};
-use crate::texts;
+use crate::fmi::{Basic, Kind, Scalar};
+use crate::system::{Column, Connection, Port, System};
 use crate::time::Step;
 
 /// Copies one value.
@@ -29,6 +28,15 @@ pub(crate) struct Cut {
     pub from: usize,
     pub to: usize,
     pub route: Route,
+    /// The type of the value.
+    pub basic: Basic,
+}
+
+impl Cut {
+    /// The value of its output.
+    pub(super) fn number(&self, values: &[Scalar]) -> f64 {
+        values[self.route.from].number(self.basic)
+    }
 }
 
 /// A loop that is solved by iteration.
@@ -95,8 +103,8 @@ pub(crate) struct Plan {
     pub ramps: Vec<RampWay>,
     pub values: usize,
     pub inputs: usize,
-    /// Slot of each recorded column.
-    pub columns: Vec<usize>,
+    /// Slot of each recorded column, and its type.
+    pub columns: Vec<(usize, Basic)>,
     /// Slots in `values` and in `inputs` that hold Strings.
     pub value_texts: Vec<usize>,
     pub input_texts: Vec<usize>,
@@ -140,8 +148,8 @@ impl Plan {
         for node in &mut plan.nodes {
             node.ramped = !node.ramps.is_empty();
         }
-        plan.columns =
-            system.columns().iter().filter_map(|column| plan.value_slot(column.port)).collect();
+        let column = |column: &Column| Some((plan.value_slot(column.port)?, column.kind.basic()));
+        plan.columns = system.columns().iter().filter_map(column).collect();
         plan
     }
 
@@ -157,7 +165,7 @@ impl Plan {
                 continue;
             }
             let cuts = found.cuts.iter().filter_map(|cut| {
-                Some(Cut { from: position(cut.from)?, to: position(cut.to)?, route: cut.route })
+                Some(Cut { from: position(cut.from)?, to: position(cut.to)?, ..*cut })
             });
             let cuts = cuts.collect();
             part.loops.push(SolvedLoop { members, names: found.names.clone(), cuts });
@@ -175,24 +183,37 @@ impl Plan {
     }
 
     /// The Strings of a state, first those among the values, then those among the inputs. Their
-    /// numbers are valid in this process only.
-    pub(crate) fn texts(&self, values: &[f64], inputs: &[f64]) -> Vec<String> {
+    /// scalars are valid in this process only.
+    pub(crate) fn texts(&self, values: &[Scalar], inputs: &[Scalar]) -> Vec<String> {
         let of_values = self.value_texts.iter().map(|&slot| values[slot]);
         let of_inputs = self.input_texts.iter().map(|&slot| inputs[slot]);
-        of_values.chain(of_inputs).map(|number| texts::text(number).to_string()).collect()
+        of_values.chain(of_inputs).map(|text| text.as_text().to_string()).collect()
     }
 
     /// Puts the Strings of a state back, as far as `values` and `inputs` reach.
-    pub(crate) fn take_texts(&self, texts: &[String], values: &mut [f64], inputs: &mut [f64]) {
+    pub(crate) fn take_texts(
+        &self,
+        texts: &[String],
+        values: &mut [Scalar],
+        inputs: &mut [Scalar],
+    ) {
         let (of_values, of_inputs) = texts.split_at(self.value_texts.len().min(texts.len()));
         for (all, slots, texts) in
             [(values, &self.value_texts, of_values), (inputs, &self.input_texts, of_inputs)]
         {
             for (&slot, text) in slots.iter().zip(texts) {
                 if let Some(value) = all.get_mut(slot) {
-                    *value = texts::number(text);
+                    *value = Scalar::text(text);
                 }
             }
+        }
+    }
+
+    /// The recorded values as numbers ([`Scalar::number`]).
+    #[inline]
+    pub(crate) fn row(&self, values: &[Scalar], row: &mut [f64]) {
+        for (number, &(slot, basic)) in row.iter_mut().zip(&self.columns) {
+            *number = values[slot].number(basic);
         }
     }
 
@@ -248,7 +269,8 @@ impl Plan {
             let held = found.held.iter().map(|&c| &system.connections()[c]);
             let cuts = held.filter_map(|c| {
                 let (from, to) = (c.from.component, c.to.component);
-                Some(Cut { from, to, route: self.route(c)? })
+                let (route, basic) = (self.route(c)?, system.basic(c.from));
+                Some(Cut { from, to, route, basic })
             });
             let cuts = cuts.collect();
             for &member in &found.members {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::plan::Node;
 use super::slave::Slave;
 use crate::error::{Code, Error, Result};
-use crate::fmi::{Place, Value};
+use crate::fmi::{Place, Scalar, Value};
 use crate::signals::Signals;
 use crate::time::Time;
 
@@ -42,11 +42,11 @@ impl Slave for SignalSlave {
         Ok(())
     }
 
-    fn set(&mut self, _values: &[f64]) -> Result<()> {
+    fn set(&mut self, _values: &[Scalar]) -> Result<()> {
         Ok(())
     }
 
-    fn ramp(&mut self, _values: &[f64], _slopes: &[f64]) -> Result<()> {
+    fn ramp(&mut self, _values: &[Scalar], _slopes: &[f64]) -> Result<()> {
         Ok(())
     }
 
@@ -55,7 +55,7 @@ impl Slave for SignalSlave {
         Ok(self.time)
     }
 
-    fn get(&mut self, values: &mut [f64]) -> Result<()> {
+    fn get(&mut self, values: &mut [Scalar]) -> Result<()> {
         self.signals.values_at(self.time, &self.outputs, values);
         Ok(())
     }
@@ -70,13 +70,9 @@ impl Slave for SignalSlave {
         Ok(true)
     }
 
-    fn read(&mut self, values: &mut [f64]) -> Result<()> {
+    fn read(&mut self, values: &mut [Scalar]) -> Result<()> {
         self.signals.values_at(self.time, &self.recorded, values);
         Ok(())
-    }
-
-    fn assign(&mut self, _variable: usize, _value: f64) -> Result<()> {
-        Err(Error::new(Code::Parameter, "signals of a file cannot be set"))
     }
 
     fn give(&mut self, _variable: usize, _value: &Value) -> Result<()> {
@@ -84,9 +80,9 @@ impl Slave for SignalSlave {
     }
 
     fn look(&mut self, variable: usize) -> Result<Value> {
-        let mut value = [0.0];
+        let mut value = [Scalar::default()];
         self.signals.values_at(self.time, &[variable], &mut value);
-        Ok(Value::Real(value[0]))
+        Ok(value[0].value(self.signals.kind(variable).basic()))
     }
 
     fn messages(&mut self) -> Vec<String> {

@@ -2,13 +2,11 @@
 
 use crate::error::Result;
 use crate::fmi::guard::Float;
-use crate::fmi::{Direct, Place, Unusual, Value};
+use crate::fmi::{Direct, Place, Scalar, Unusual, Value};
 use crate::time::Time;
 
 /// A component from the master's point of view. Which variables [`Slave::set`], [`Slave::get`] and
-/// [`Slave::read`] transfer, and in which order, is fixed when the slave is created. A value is an
-/// `f64`, which represents every Real, Integer and Boolean exactly, and a String by its number
-/// ([`texts`](crate::texts)); its variable has its type.
+/// [`Slave::read`] transfer, and in which order, is fixed when the slave is created.
 ///
 /// Calls come in this order: `enter_initialization`, then `set` and `get` alternately,
 /// `exit_initialization`, then `set`, `step`, `get` once per step; `read` at output instants.
@@ -21,27 +19,27 @@ pub trait Slave {
     fn exit_initialization(&mut self) -> Result<()>;
 
     /// Sets all connected inputs.
-    fn set(&mut self, values: &[f64]) -> Result<()>;
+    fn set(&mut self, values: &[Scalar]) -> Result<()>;
 
     /// Sets all connected inputs for the start of the next step, with their time derivatives during
-    /// it. Only called for slaves whose component interpolates its inputs.
-    fn ramp(&mut self, values: &[f64], slopes: &[f64]) -> Result<()>;
+    /// it, which are 0 for other types than Real. Only called for slaves whose component interpolates its inputs.
+    fn ramp(&mut self, values: &[Scalar], slopes: &[f64]) -> Result<()>;
 
     /// Advances from `start` by `step`; returns the instant reached, which is before the end if the
     /// component discarded the rest. Then it must go back before anything else.
     fn step(&mut self, start: Time, step: Time) -> Result<Time>;
 
     /// Reads all connected outputs.
-    fn get(&mut self, values: &mut [f64]) -> Result<()>;
+    fn get(&mut self, values: &mut [Scalar]) -> Result<()>;
 
     /// The usual step: sets inputs, steps, reads outputs. One call instead of three. Nothing is
     /// called for empty arrays.
     fn advance(
         &mut self,
-        inputs: &[f64],
+        inputs: &[Scalar],
         start: Time,
         step: Time,
-        outputs: &mut [f64],
+        outputs: &mut [Scalar],
     ) -> Result<Time> {
         if !inputs.is_empty() {
             self.set(inputs)?;
@@ -62,17 +60,13 @@ pub trait Slave {
     fn tangent(&mut self, seed: &[f64], outputs: &mut [f64]) -> Result<bool>;
 
     /// Reads the variables that are only recorded.
-    fn read(&mut self, values: &mut [f64]) -> Result<()>;
+    fn read(&mut self, values: &mut [Scalar]) -> Result<()>;
 
     /// Restarts with its start values at `now`, between two steps of a run that ends at `stop`.
     fn reset(&mut self, now: Time, stop: Time) -> Result<()>;
 
-    /// Sets an unconnected input, or a parameter, between two steps. The variable is a position in
-    /// the component's description.
-    fn assign(&mut self, variable: usize, value: f64) -> Result<()>;
-
-    /// Sets an unconnected variable to a value of its type, in initialization mode or between two
-    /// steps.
+    /// Sets an unconnected input, or a parameter, to a value of its type, in initialization mode or
+    /// between two steps. The variable is a position in the component's description.
     fn give(&mut self, variable: usize, value: &Value) -> Result<()>;
 
     /// The current value of any variable.
@@ -157,10 +151,6 @@ macro_rules! passes_on {
 
         fn reset(&mut self, now: Time, stop: Time) -> Result<()> {
             self.$inner.reset(now, stop)
-        }
-
-        fn assign(&mut self, variable: usize, value: f64) -> Result<()> {
-            self.$inner.assign(variable, value)
         }
 
         fn give(&mut self, variable: usize, value: &Value) -> Result<()> {

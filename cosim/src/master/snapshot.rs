@@ -16,11 +16,12 @@ use super::plan::{Node, Plan};
 use super::trend::{Ramp, Trend};
 use crate::error::{Code, Error, Result};
 use crate::files;
+use crate::fmi::Scalar;
 use crate::system::{Model, System};
 use crate::time::Time;
 
 const MAGIC: &[u8; 8] = b"COSIMSNP";
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 const HEADER: usize = 8 + 4 + 32;
 
 /// A running system at one instant.
@@ -34,8 +35,8 @@ pub struct Snapshot {
 /// The state of the scheduler between two instants, and the states of the components.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct EngineState {
-    pub(crate) values: Vec<f64>,
-    pub(crate) inputs: Vec<f64>,
+    pub(crate) values: Vec<Scalar>,
+    pub(crate) inputs: Vec<Scalar>,
     /// The Strings among the values, then those among the inputs.
     pub(crate) texts: Vec<String>,
     pub(crate) ends: Vec<Time>,

@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::engine::Engine;
 use crate::error::Result;
+use crate::fmi::Scalar;
 use crate::time::Time;
 
 /// The value of a source, its time, and its slope.
@@ -70,7 +71,7 @@ impl Engine {
         let known = self.slaves[c].slopes(&mut slopes)?;
         for &trend in &node.trends {
             let slot = self.plan.trends[trend];
-            let (value, last) = (self.values[slot], self.trends[trend]);
+            let (value, last) = (self.values[slot].as_real(), self.trends[trend]);
             let slope = if known {
                 slopes[slot - node.output_slots.start]
             } else if now > self.start {
@@ -103,12 +104,12 @@ impl Engine {
             slopes[place] = if way.fresh {
                 let stepped = self.due(way.source, now);
                 let trend = &self.trends[way.trend];
-                let goal = if stepped { self.inputs[way.input] } else { trend.at(now) };
+                let goal = if stepped { self.inputs[way.input].as_real() } else { trend.at(now) };
                 (goal - ramp.value) / self.paces[c].length.seconds()
             } else {
                 ramp.slope
             };
-            values[place] = ramp.value;
+            values[place] = Scalar::real(ramp.value);
         }
         self.slaves[c].ramp(&values, &slopes)
     }

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::fmi::Scalar;
 use crate::units::Linear;
 
 /// A change of a value between an output and an input.
@@ -20,8 +21,19 @@ impl Conversion {
         match self {
             Conversion::Linear(linear) => Some(linear.apply(value)),
             Conversion::Map(entries) => {
-                let found = entries.iter().find(|(from, _)| f64::from(*from) == value);
-                found.map(|(_, to)| f64::from(*to))
+                mapped(entries, |from| f64::from(from) == value).map(f64::from)
+            }
+        }
+    }
+
+    /// The same for a value of the type that it converts.
+    #[inline]
+    pub(crate) fn of_scalar(&self, value: Scalar) -> Option<Scalar> {
+        match self {
+            Conversion::Linear(linear) => Some(Scalar::real(linear.apply(value.as_real()))),
+            Conversion::Map(entries) => {
+                let to = mapped(entries, |from| i64::from(from) == value.as_integer())?;
+                Some(Scalar::integer(i64::from(to)))
             }
         }
     }
@@ -36,6 +48,10 @@ impl Conversion {
             Conversion::Map(_) => 0.0,
         }
     }
+}
+
+fn mapped(entries: &[(i32, i32)], is: impl Fn(i32) -> bool) -> Option<i32> {
+    entries.iter().find(|(from, _)| is(*from)).map(|(_, to)| *to)
 }
 
 impl std::fmt::Display for Conversion {

@@ -18,7 +18,7 @@ use super::values::{all_finite, gather};
 const EXPONENT: u64 = 0x7FF << 52;
 
 impl Instance {
-    /// `fmi2GetReal` of values that need no computing; `None` if it is not so simple.
+    /// `GetReal` of values that need no computing; `None` if it is not so simple.
     ///
     /// No code of a component runs here, and nothing is computed in floating point.
     #[inline]
@@ -43,7 +43,7 @@ impl Instance {
         }
     }
 
-    /// `fmi2GetReal`
+    /// `GetReal`
     pub fn get_real(&mut self, references: &[u32], into: &mut [f64]) -> Status {
         self.call(Call::GetReal, |me| {
             me.up_to_date(references)?;
@@ -57,7 +57,7 @@ impl Instance {
         })
     }
 
-    /// `fmi2GetInteger`, enumerations included
+    /// `GetInteger`, enumerations included
     pub fn get_integer(&mut self, references: &[u32], into: &mut [i32]) -> Status {
         self.call(Call::GetInteger, |me| {
             me.up_to_date(&[])?;
@@ -69,7 +69,7 @@ impl Instance {
         })
     }
 
-    /// `fmi2GetBoolean`: passes each value to `give` with its index.
+    /// `GetBoolean`: passes each value to `give` with its index.
     pub fn get_boolean(&mut self, references: &[u32], mut give: impl FnMut(usize, bool)) -> Status {
         self.call(Call::GetBoolean, |me| {
             me.up_to_date(&[])?;
@@ -81,7 +81,7 @@ impl Instance {
         })
     }
 
-    /// `fmi2GetString`: passes each string to `give` with its index.
+    /// `GetString`: passes each string to `give` with its index.
     pub fn get_string(&mut self, references: &[u32], mut give: impl FnMut(usize, &CStr)) -> Status {
         self.call(Call::GetString, |me| {
             me.up_to_date(&[])?;
@@ -93,7 +93,7 @@ impl Instance {
         })
     }
 
-    /// `fmi2SetReal` of inputs during the simulation; `None` if it is not so simple.
+    /// `SetReal` of inputs during the simulation; `None` if it is not so simple.
     ///
     /// No code of a component runs here, and nothing is computed in floating point.
     #[inline]
@@ -128,7 +128,7 @@ impl Instance {
         Some(())
     }
 
-    /// `fmi2SetReal`
+    /// `SetReal`
     pub fn set_real(&mut self, references: &[u32], values: &[f64]) -> Status {
         self.call(Call::SetReal, |me| {
             let inputs = me.table.layout().inputs.clone();
@@ -152,7 +152,7 @@ impl Instance {
         })
     }
 
-    /// `fmi2SetInteger`, enumerations included
+    /// `SetInteger`, enumerations included
     pub fn set_integer(&mut self, references: &[u32], values: &[i32]) -> Status {
         if self.changes_nothing(Basic::Integer, references, values, &self.values.integers) {
             return Status::Ok;
@@ -165,7 +165,7 @@ impl Instance {
         })
     }
 
-    /// `fmi2SetBoolean`
+    /// `SetBoolean`
     pub fn set_boolean(&mut self, references: &[u32], values: &[bool]) -> Status {
         if self.changes_nothing(Basic::Boolean, references, values, &self.values.booleans) {
             return Status::Ok;
@@ -177,7 +177,7 @@ impl Instance {
         })
     }
 
-    /// `fmi2SetString`; `None` stands for NULL.
+    /// `SetString`; `None` stands for NULL.
     pub fn set_string(&mut self, references: &[u32], values: &[Option<CString>]) -> Status {
         self.call(Call::SetString, |me| {
             me.check_settable(Basic::String, references)?;

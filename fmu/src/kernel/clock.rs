@@ -1,5 +1,7 @@
 //! Times from importers: valid experiments and steps, and when two times are the same.
 
+use fmu_standard::Call;
+
 use super::status::Trouble;
 
 /// Latest time, and with a minus sign the earliest: nanoseconds in 64 bits cover 292 years.
@@ -36,7 +38,7 @@ pub(crate) fn check_instant(name: &str, time_s: f64) -> Result<(), Trouble> {
     )))
 }
 
-/// Checks the arguments of `fmi2SetupExperiment`.
+/// Checks the arguments of `SetupExperiment`.
 ///
 /// # Errors
 /// Which of them is invalid.
@@ -57,7 +59,7 @@ pub fn check_experiment(
     Ok(())
 }
 
-/// Checks the arguments of `fmi2DoStep` for an instance at `now_s` that ends at `stop_s`.
+/// Checks the arguments of `DoStep` for an instance at `now_s` that ends at `stop_s`.
 ///
 /// # Errors
 /// Which of them is invalid.
@@ -79,8 +81,9 @@ pub fn check_step(t: f64, h: f64, now_s: f64, stop_s: Option<f64>) -> Result<(),
     }
     match stop_s {
         Some(stop) if t + h > stop && !same_time(t + h, stop) => Err(Trouble::error(format_args!(
-            "a step to {} s goes past the stop time of {stop} s given in fmi2SetupExperiment",
-            t + h
+            "a step to {} s goes past the stop time of {stop} s given in {}",
+            t + h,
+            Call::SetupExperiment.name()
         ))),
         _ => Ok(()),
     }

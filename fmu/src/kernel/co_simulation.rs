@@ -10,7 +10,7 @@ use super::status::Trouble;
 use super::stepper::MOST_WORK;
 
 impl Instance {
-    /// `fmi2DoStep`: advances from `t` by `h` seconds.
+    /// `DoStep`: advances from `t` by `h` seconds.
     ///
     /// `h` may be as small as the importer's rounding leaves it, and `t` may differ from the
     /// instance's own time by such rounding; time events are counted in integer nanoseconds and
@@ -77,7 +77,7 @@ impl Instance {
         }
     }
 
-    /// `fmi2SetRealInputDerivatives`: for the next step; after it inputs are held at the values
+    /// `SetRealInputDerivatives`: for the next step; after it inputs are held at the values
     /// they reached.
     pub fn set_input_derivatives(
         &mut self,
@@ -117,7 +117,7 @@ impl Instance {
         })
     }
 
-    /// `fmi2GetRealStatus` of `fmi2LastSuccessfulTime`
+    /// `GetRealStatus` of `LastSuccessfulTime`
     pub fn last_successful_time(&mut self, into: &mut f64) -> Status {
         self.call(Call::GetRealStatus, |me| {
             *into = me.run.time_s;
@@ -125,7 +125,7 @@ impl Instance {
         })
     }
 
-    /// `fmi2GetBooleanStatus` of `fmi2Terminated`: a component never ends a simulation by itself.
+    /// `GetBooleanStatus` of `Terminated`: a component never ends a simulation by itself.
     pub fn wants_to_end(&mut self, into: &mut bool) -> Status {
         self.call(Call::GetBooleanStatus, |_| {
             *into = false;

@@ -1,5 +1,6 @@
 //! Saved states as bytes: magic and version, length, the state, SHA-256 of everything before it.
 
+use fmu_standard::Call;
 use sha2::{Digest, Sha256};
 
 use super::status::Trouble;
@@ -27,8 +28,9 @@ pub fn seal(mut body: Vec<u8>) -> Vec<u8> {
 pub fn hand_out(bytes: &[u8], into: &mut [u8]) -> Result<(), Trouble> {
     if bytes.len() != into.len() {
         return Err(Trouble::error(format_args!(
-            "size = {}, but fmi2SerializedFMUstateSize said {}",
+            "size = {}, but {} said {}",
             into.len(),
+            Call::SerializedFmuStateSize.name(),
             bytes.len()
         )));
     }

@@ -137,12 +137,12 @@ impl Instance {
         self.run.phase
     }
 
-    /// `fmi2SetDebugLogging`
+    /// `SetDebugLogging`
     pub fn set_debug_logging(&mut self, on: bool, categories: &[&str]) -> Status {
         self.call(Call::SetDebugLogging, |me| me.log.choose(on, categories).map_err(Trouble::error))
     }
 
-    /// `fmi2SetupExperiment`; the tolerance is that of the adaptive integrator.
+    /// `SetupExperiment`; the tolerance is that of the adaptive integrator.
     pub fn setup_experiment(
         &mut self,
         tolerance: Option<f64>,
@@ -163,7 +163,7 @@ impl Instance {
         })
     }
 
-    /// `fmi2EnterInitializationMode`
+    /// `EnterInitializationMode`
     pub fn enter_initialization_mode(&mut self) -> Status {
         self.call(Call::EnterInitializationMode, |me| {
             me.run.phase = Phase::Initialization;
@@ -171,7 +171,7 @@ impl Instance {
         })
     }
 
-    /// `fmi2ExitInitializationMode`
+    /// `ExitInitializationMode`
     pub fn exit_initialization_mode(&mut self) -> Status {
         self.call(Call::ExitInitializationMode, |me| {
             if let Err(trouble) = me.refresh() {
@@ -188,7 +188,7 @@ impl Instance {
         })
     }
 
-    /// `fmi2Terminate`
+    /// `Terminate`
     pub fn terminate(&mut self) -> Status {
         self.call(Call::Terminate, |me| {
             me.run.phase = Phase::Terminated;
@@ -196,7 +196,7 @@ impl Instance {
         })
     }
 
-    /// `fmi2Reset`: as just instantiated.
+    /// `Reset`: as just instantiated.
     pub fn reset(&mut self) -> Status {
         self.call(Call::Reset, |me| {
             me.run = Run::FRESH;

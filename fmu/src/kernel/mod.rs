@@ -1,4 +1,5 @@
-//! FMI 2.0 without its C: variable table, state machine, instances, stepper, description.
+//! FMI 2.0 without its C: variable table, state machine, instances, stepper, description. Functions
+//! are named without the prefix of the FMI version, which `fmu-standard` adds.
 //!
 //! | file | contents |
 //! |---|---|

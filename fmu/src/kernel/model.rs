@@ -66,7 +66,7 @@ pub enum Cause {
 /// [`initialize`](Model::initialize), then anything.
 pub trait Model: Send {
     /// Sets the parameters that have not been set, checks all, derives constants. `tolerance` is
-    /// that of `fmi2SetupExperiment`.
+    /// that of `SetupExperiment`.
     ///
     /// # Errors
     /// Names the parameter that is wrong.

@@ -11,7 +11,7 @@ use super::status::Trouble;
 use super::table::Group;
 use super::values::all_finite;
 
-/// What `fmi2NewDiscreteStates` reports to the importer.
+/// What `NewDiscreteStates` reports to the importer.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EventOutcome {
     /// Whether to call again before continuing.
@@ -23,7 +23,7 @@ pub struct EventOutcome {
 }
 
 impl Instance {
-    /// `fmi2EnterEventMode`
+    /// `EnterEventMode`
     pub fn enter_event_mode(&mut self) -> Status {
         self.call(Call::EnterEventMode, |me| {
             me.run.phase = Phase::Event;
@@ -31,7 +31,7 @@ impl Instance {
         })
     }
 
-    /// `fmi2EnterContinuousTimeMode`
+    /// `EnterContinuousTimeMode`
     pub fn enter_continuous_time_mode(&mut self) -> Status {
         self.call(Call::EnterContinuousTimeMode, |me| {
             me.run.phase = Phase::Continuous;
@@ -39,7 +39,7 @@ impl Instance {
         })
     }
 
-    /// `fmi2NewDiscreteStates`: handles the time events that are due, and checks for a state event.
+    /// `NewDiscreteStates`: handles the time events that are due, and checks for a state event.
     pub fn new_discrete_states(&mut self, outcome: &mut EventOutcome) -> Status {
         self.call(Call::NewDiscreteStates, |me| {
             let before: Vec<f64> = me.states().to_vec();
@@ -66,12 +66,12 @@ impl Instance {
         })
     }
 
-    /// `fmi2CompletedIntegratorStep`: nothing depends on accepted steps.
+    /// `CompletedIntegratorStep`: nothing depends on accepted steps.
     pub fn completed_integrator_step(&mut self) -> Status {
         self.call(Call::CompletedIntegratorStep, |_| Ok(()))
     }
 
-    /// `fmi2SetTime`
+    /// `SetTime`
     pub fn set_time(&mut self, time_s: f64) -> Status {
         self.call(Call::SetTime, |me| {
             check_instant("time", time_s)?;
@@ -81,7 +81,7 @@ impl Instance {
         })
     }
 
-    /// `fmi2SetContinuousStates`
+    /// `SetContinuousStates`
     pub fn set_continuous_states(&mut self, x: &[f64]) -> Status {
         self.call(Call::SetContinuousStates, |me| {
             me.check_number_of_states(x.len())?;
@@ -97,7 +97,7 @@ impl Instance {
         })
     }
 
-    /// `fmi2GetContinuousStates`
+    /// `GetContinuousStates`
     pub fn get_continuous_states(&mut self, x: &mut [f64]) -> Status {
         self.call(Call::GetContinuousStates, |me| {
             me.check_number_of_states(x.len())?;
@@ -107,7 +107,7 @@ impl Instance {
         })
     }
 
-    /// `fmi2GetDerivatives`
+    /// `GetDerivatives`
     pub fn get_derivatives(&mut self, derivatives: &mut [f64]) -> Status {
         self.call(Call::GetDerivatives, |me| {
             me.check_number_of_states(derivatives.len())?;
@@ -119,7 +119,7 @@ impl Instance {
         })
     }
 
-    /// `fmi2GetNominalsOfContinuousStates`
+    /// `GetNominalsOfContinuousStates`
     pub fn get_nominals(&mut self, nominals: &mut [f64]) -> Status {
         self.call(Call::GetNominals, |me| {
             me.check_number_of_states(nominals.len())?;
@@ -130,7 +130,7 @@ impl Instance {
         })
     }
 
-    /// `fmi2GetEventIndicators`
+    /// `GetEventIndicators`
     pub fn get_event_indicators(&mut self, indicators: &mut [f64]) -> Status {
         self.call(Call::GetEventIndicators, |me| {
             let names = me.table.indicators();

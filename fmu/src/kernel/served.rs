@@ -15,7 +15,7 @@ use super::model_exchange::EventOutcome;
 use super::state::State;
 use super::status::Trouble;
 
-/// The arguments of `fmi2Instantiate`.
+/// The arguments of `Instantiate`.
 pub struct Request<'a> {
     /// The interface to serve.
     pub interface: InterfaceType,
@@ -72,10 +72,10 @@ pub trait Served: Sized + Send + 'static {
         self.call(call, |_| Err(Trouble::error(reason)))
     }
 
-    /// `fmi2SetDebugLogging`
+    /// `SetDebugLogging`
     fn set_debug_logging(&mut self, on: bool, categories: &[&str]) -> Status;
 
-    /// `fmi2SetupExperiment`
+    /// `SetupExperiment`
     fn setup_experiment(
         &mut self,
         tolerance: Option<f64>,
@@ -83,82 +83,82 @@ pub trait Served: Sized + Send + 'static {
         stop_s: Option<f64>,
     ) -> Status;
 
-    /// `fmi2EnterInitializationMode`
+    /// `EnterInitializationMode`
     fn enter_initialization_mode(&mut self) -> Status;
 
-    /// `fmi2ExitInitializationMode`
+    /// `ExitInitializationMode`
     fn exit_initialization_mode(&mut self) -> Status;
 
-    /// `fmi2Terminate`
+    /// `Terminate`
     fn terminate(&mut self) -> Status;
 
-    /// `fmi2Reset`
+    /// `Reset`
     fn reset(&mut self) -> Status;
 
-    /// `fmi2GetReal` if that only requires copying; `None` if it is not so simple. It must neither
+    /// `GetReal` if that only requires copying; `None` if it is not so simple. It must neither
     /// panic nor compute in floating point: the environment is the importer's.
     #[inline]
     fn get_fresh(&self, _references: &[u32], _into: &mut [f64]) -> Option<()> {
         None
     }
 
-    /// `fmi2SetReal` if that only requires copying; `None` if it is not so simple. It must neither
+    /// `SetReal` if that only requires copying; `None` if it is not so simple. It must neither
     /// panic nor compute in floating point: the environment is the importer's.
     #[inline]
     fn set_inputs(&mut self, _references: &[u32], _values: &[f64]) -> Option<()> {
         None
     }
 
-    /// `fmi2GetReal`
+    /// `GetReal`
     fn get_real(&mut self, references: &[u32], into: &mut [f64]) -> Status;
 
-    /// `fmi2GetInteger`, enumerations included
+    /// `GetInteger`, enumerations included
     fn get_integer(&mut self, references: &[u32], into: &mut [i32]) -> Status;
 
-    /// `fmi2GetBoolean`: passes each value to `give` with its index.
+    /// `GetBoolean`: passes each value to `give` with its index.
     fn get_boolean(&mut self, references: &[u32], give: impl FnMut(usize, bool)) -> Status;
 
-    /// `fmi2GetString`: passes each string to `give` with its index; it stays valid until the next
+    /// `GetString`: passes each string to `give` with its index; it stays valid until the next
     /// call.
     fn get_string(&mut self, references: &[u32], give: impl FnMut(usize, &CStr)) -> Status;
 
-    /// `fmi2SetReal`
+    /// `SetReal`
     fn set_real(&mut self, references: &[u32], values: &[f64]) -> Status;
 
-    /// `fmi2SetInteger`, enumerations included
+    /// `SetInteger`, enumerations included
     fn set_integer(&mut self, references: &[u32], values: &[i32]) -> Status;
 
-    /// `fmi2SetBoolean`
+    /// `SetBoolean`
     fn set_boolean(&mut self, references: &[u32], values: &[bool]) -> Status;
 
-    /// `fmi2SetString`; `None` stands for NULL.
+    /// `SetString`; `None` stands for NULL.
     fn set_string(&mut self, references: &[u32], values: &[Option<CString>]) -> Status;
 
-    /// `fmi2GetFMUstate` into a new state.
+    /// `GetFMUstate` into a new state.
     fn get_state(&mut self, state: &mut Option<Box<Self::State>>) -> Status;
 
-    /// `fmi2GetFMUstate` into an existing state.
+    /// `GetFMUstate` into an existing state.
     fn get_state_again(&mut self, state: &mut Self::State) -> Status;
 
-    /// `fmi2SetFMUstate`
+    /// `SetFMUstate`
     fn set_state(&mut self, state: &Self::State) -> Status;
 
-    /// `fmi2SerializedFMUstateSize`
+    /// `SerializedFMUstateSize`
     fn serialized_size(&mut self, state: &Self::State, size: &mut usize) -> Status;
 
-    /// `fmi2SerializeFMUstate`
+    /// `SerializeFMUstate`
     fn serialize_state(&mut self, state: &Self::State, into: &mut [u8]) -> Status;
 
-    /// `fmi2DeSerializeFMUstate`
+    /// `DeSerializeFMUstate`
     fn deserialize_state(&mut self, bytes: &[u8], state: &mut Option<Box<Self::State>>) -> Status;
 
-    /// `fmi2DoStep`
+    /// `DoStep`
     fn do_step(&mut self, t: f64, h: f64) -> Status;
 
-    /// `fmi2GetRealStatus` of `fmi2LastSuccessfulTime`
+    /// `GetRealStatus` of `LastSuccessfulTime`
     fn last_successful_time(&mut self, into: &mut f64) -> Status;
 
-    /// `fmi2GetBooleanStatus` of `fmi2Terminated`
+    /// `GetBooleanStatus` of `Terminated`
     fn wants_to_end(&mut self, into: &mut bool) -> Status;
 
     /// Any other status kind: it would refer to a pending step, and there never is one.
@@ -171,34 +171,34 @@ pub trait Served: Sized + Send + 'static {
     }
 
     refused! {
-        /// `fmi2GetDirectionalDerivative`
+        /// `GetDirectionalDerivative`
         directional_derivative(unknowns: &[u32], knowns: &[u32], along: &[f64], into: &mut [f64])
             = GetDirectionalDerivative, "providesDirectionalDerivative = false";
-        /// `fmi2SetRealInputDerivatives`
+        /// `SetRealInputDerivatives`
         set_input_derivatives(references: &[u32], orders: &[i32], values: &[f64])
             = SetRealInputDerivatives, "canInterpolateInputs = false";
-        /// `fmi2GetRealOutputDerivatives`
+        /// `GetRealOutputDerivatives`
         output_derivatives(references: &[u32], orders: &[i32], into: &mut [f64])
             = GetRealOutputDerivatives, "maxOutputDerivativeOrder = 0";
-        /// `fmi2EnterEventMode`
+        /// `EnterEventMode`
         enter_event_mode() = EnterEventMode, "no ModelExchange";
-        /// `fmi2NewDiscreteStates`
+        /// `NewDiscreteStates`
         new_discrete_states(outcome: &mut EventOutcome) = NewDiscreteStates, "no ModelExchange";
-        /// `fmi2EnterContinuousTimeMode`
+        /// `EnterContinuousTimeMode`
         enter_continuous_time_mode() = EnterContinuousTimeMode, "no ModelExchange";
-        /// `fmi2CompletedIntegratorStep`
+        /// `CompletedIntegratorStep`
         completed_integrator_step() = CompletedIntegratorStep, "no ModelExchange";
-        /// `fmi2SetTime`
+        /// `SetTime`
         set_time(time_s: f64) = SetTime, "no ModelExchange";
-        /// `fmi2SetContinuousStates`
+        /// `SetContinuousStates`
         set_continuous_states(x: &[f64]) = SetContinuousStates, "no ModelExchange";
-        /// `fmi2GetContinuousStates`
+        /// `GetContinuousStates`
         get_continuous_states(x: &mut [f64]) = GetContinuousStates, "no ModelExchange";
-        /// `fmi2GetDerivatives`
+        /// `GetDerivatives`
         get_derivatives(derivatives: &mut [f64]) = GetDerivatives, "no ModelExchange";
-        /// `fmi2GetNominalsOfContinuousStates`
+        /// `GetNominalsOfContinuousStates`
         get_nominals(nominals: &mut [f64]) = GetNominals, "no ModelExchange";
-        /// `fmi2GetEventIndicators`
+        /// `GetEventIndicators`
         get_event_indicators(indicators: &mut [f64]) = GetEventIndicators, "no ModelExchange";
     }
 }

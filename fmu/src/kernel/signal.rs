@@ -1,5 +1,5 @@
 //! Inputs during a communication step: they are held, or they follow the polynomial given by their
-//! value and their time derivatives at its beginning (`fmi2SetRealInputDerivatives`).
+//! value and their time derivatives at its beginning (`SetRealInputDerivatives`).
 
 use serde::{Deserialize, Serialize};
 

@@ -57,7 +57,7 @@ struct Packed<'a> {
 }
 
 impl Instance {
-    /// `fmi2GetFMUstate` into a new state.
+    /// `GetFMUstate` into a new state.
     pub fn get_state(&mut self, state: &mut Option<Box<State>>) -> Status {
         self.call(Call::GetFmuState, |me| {
             spare(me.size())?;
@@ -66,7 +66,7 @@ impl Instance {
         })
     }
 
-    /// `fmi2GetFMUstate` into an existing state.
+    /// `GetFMUstate` into an existing state.
     pub fn get_state_again(&mut self, state: &mut State) -> Status {
         self.call(Call::GetFmuState, |me| {
             if !me.is_of(&state.guid) {
@@ -131,7 +131,7 @@ impl Instance {
         self.model.save(&mut state.memory);
     }
 
-    /// `fmi2SetFMUstate`: continues from a state of this or another instance.
+    /// `SetFMUstate`: continues from a state of this or another instance.
     pub fn set_state(&mut self, state: &State) -> Status {
         self.call(Call::SetFmuState, |me| {
             if !me.is_of(&state.guid) || state.interface != me.interface {
@@ -177,7 +177,7 @@ impl Instance {
         Ok(())
     }
 
-    /// `fmi2SerializedFMUstateSize`
+    /// `SerializedFMUstateSize`
     pub fn serialized_size(&mut self, state: &State, size: &mut usize) -> Status {
         self.call(Call::SerializedFmuStateSize, |me| {
             *size = me.bytes(state)?.len();
@@ -185,7 +185,7 @@ impl Instance {
         })
     }
 
-    /// `fmi2SerializeFMUstate`
+    /// `SerializeFMUstate`
     pub fn serialize_state(&mut self, state: &State, into: &mut [u8]) -> Status {
         self.call(Call::SerializeFmuState, |me| hand_out(&me.bytes(state)?, into))
     }
@@ -213,7 +213,7 @@ impl Instance {
         Ok(seal(postcard::to_stdvec(&packed).map_err(Trouble::error)?))
     }
 
-    /// `fmi2DeSerializeFMUstate`
+    /// `DeSerializeFMUstate`
     pub fn deserialize_state(&mut self, bytes: &[u8], state: &mut Option<Box<State>>) -> Status {
         self.call(Call::DeSerializeFmuState, |me| {
             // Its own, for comparison; and the one that is read.

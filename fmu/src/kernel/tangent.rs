@@ -27,7 +27,7 @@ const UNKNOWNS_AT_START: [Group; 3] = [Group::Derivative, Group::Output, Group::
 const KNOWNS_AT_START: [Group; 3] = [Group::Input, Group::Parameter, Group::Time];
 
 impl Instance {
-    /// `fmi2GetDirectionalDerivative`
+    /// `GetDirectionalDerivative`
     pub fn directional_derivative(
         &mut self,
         unknowns: &[u32],
@@ -72,7 +72,7 @@ impl Instance {
         })
     }
 
-    /// `fmi2GetRealOutputDerivatives`: of order 1, if there is a tangent-linear model.
+    /// `GetRealOutputDerivatives`: of order 1, if there is a tangent-linear model.
     pub fn output_derivatives(
         &mut self,
         references: &[u32],

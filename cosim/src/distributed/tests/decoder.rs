@@ -214,7 +214,8 @@ fn a_change_of_a_variable_that_is_not_there_is_refused() {
     let mut message = outcome.sent_to_first[1].clone();
     message[2] = Kind::Change as u8;
     let (way, act) = (crate::fault::Way::Free, crate::master::Act::Release);
-    let change = crate::master::Change { variable: 8, way, act, start: 0.0 };
+    let basic = crate::fmi::Basic::Real;
+    let change = crate::master::Change { variable: 8, basic, way, act, start: 0.0 };
     message.extend(postcard::to_stdvec(&(0_usize, change)).unwrap());
     let Handled::Answer(answer) = host.handle(&message) else { panic!("no answer") };
     assert!(String::from_utf8_lossy(&answer).contains("no variable 8 of 8"));

@@ -23,6 +23,16 @@ pub enum Value {
 pub struct ValueError(pub String);
 
 impl Value {
+    /// As a number: a Boolean is 0 or 1, a String 0.
+    pub(crate) fn number(&self) -> f64 {
+        match self {
+            Value::Real(value) => *value,
+            Value::Integer(value) => f64::from(*value),
+            Value::Boolean(value) => f64::from(u8::from(*value)),
+            Value::String(_) => 0.0,
+        }
+    }
+
     /// Parses `text` as a value of the type `kind`. Enumerations take the name or the number.
     pub fn parse(text: &str, kind: &Kind) -> Result<Self, ValueError> {
         let trimmed = text.trim();

@@ -14,6 +14,7 @@ use fmu_standard::{Call, Phase};
 
 use super::Instance;
 use crate::error::Result;
+use crate::fmi::Scalar;
 use crate::fmi::guard::Float;
 use crate::fmi::library::{Component, Hot};
 use crate::fmi::status::{self, RawStatus};
@@ -132,15 +133,15 @@ impl DirectStep<'_> {
         self.references.len() - self.sets
     }
 
-    /// Sets the inputs, steps from `start` by `length` (in seconds), reads the outputs. `inputs`
+    /// Sets the inputs, all Reals, steps from `start` by `length` (in seconds), reads the outputs. `inputs`
     /// must have as many as it sets; the last outputs may be omitted. Nothing is called for empty
     /// arrays.
     #[inline(always)]
     pub(crate) fn advance(
         self,
-        inputs: &[f64],
+        inputs: &[Scalar],
         (start, length): (f64, f64),
-        outputs: &mut [f64],
+        outputs: &mut [Scalar],
     ) -> Result<(), Unusual> {
         let Some(Calls { component, set_real, do_step, get_real }) = *self.calls else {
             return Ok(());
@@ -148,9 +149,10 @@ impl DirectStep<'_> {
         let (set, read) = self.references.split_at(inputs.len());
         let read = &read[..outputs.len()];
         if !set.is_empty() {
+            let values = Scalar::reals(inputs).as_ptr();
             // SAFETY: the instance is kept alive and was initialized, here and below; the arrays
             // have the same length and live during the calls.
-            let status = unsafe { set_real(component, set.as_ptr(), set.len(), inputs.as_ptr()) };
+            let status = unsafe { set_real(component, set.as_ptr(), set.len(), values) };
             if is_unusual(status) {
                 return Err(self.end(Call::SetReal, status));
             }
@@ -161,9 +163,9 @@ impl DirectStep<'_> {
             return Err(self.end(Call::DoStep, status));
         }
         if !read.is_empty() {
+            let values = Scalar::reals_mut(outputs).as_mut_ptr();
             // SAFETY: as above.
-            let status =
-                unsafe { get_real(component, read.as_ptr(), read.len(), outputs.as_mut_ptr()) };
+            let status = unsafe { get_real(component, read.as_ptr(), read.len(), values) };
             if is_unusual(status) {
                 return Err(self.end(Call::GetReal, status));
             }
