@@ -1,6 +1,7 @@
 //! Ctrl-C (and SIGTERM, SIGHUP): the run ends at its next output instant, and the results are kept.
 //! If an FMU does not return, so that the run cannot get there, the process is ended; likewise if
-//! an FMU ends the process. A second signal ends the process as usual.
+//! an FMU ends the process. A second signal ends the process as usual, except for one that arrives
+//! because its parent has ended.
 //!
 //! Code of a library runs whenever it likes: constructors while it is loaded, destructors while it
 //! is unloaded, its threads until the process is gone. So the watch begins before the first library
@@ -22,6 +23,9 @@ use rustix::process::{Signal, getppid, set_parent_process_death_signal};
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 /// The process in which FMUs may run, from the first library until the end.
 static WATCHED: AtomicI32 = AtomicI32::new(0);
+/// The signal that arrives when the parent ends: once for each of its threads that ends before the
+/// last one, so its second arrival means nothing.
+static OF_PARENT: AtomicI32 = AtomicI32::new(0);
 /// Whether this process ends others, and then itself, after a signal.
 static PATIENT: AtomicBool = AtomicBool::new(false);
 /// How long a command may take after a signal: a run to its next output instant.
@@ -38,8 +42,10 @@ pub(crate) fn interrupted() -> bool {
 
 extern "C" fn on_signal(signal: libc::c_int) {
     INTERRUPTED.store(true, Ordering::Relaxed);
-    // SAFETY: `signal` may be called in a handler (POSIX, async-signal-safe functions).
-    unsafe { libc::signal(signal, libc::SIG_DFL) };
+    if signal != OF_PARENT.load(Ordering::Relaxed) {
+        // SAFETY: `signal` may be called in a handler (POSIX, async-signal-safe functions).
+        unsafe { libc::signal(signal, libc::SIG_DFL) };
+    }
 }
 
 /// From now on, signals are deferred. Called before anything is unpacked: temporary files are
@@ -82,6 +88,7 @@ pub(crate) fn be_patient() {
 /// From now on, this process gets a signal when the one that started it ends, however it ends.
 pub(crate) fn end_with_parent(signal: Signal) -> Result<()> {
     let before = getppid();
+    OF_PARENT.store(signal.as_raw(), Ordering::Relaxed);
     set_parent_process_death_signal(Some(signal)).map_err(|why| {
         Error::new(Code::Session, "the process cannot be tied to its parent").why(why)
     })?;

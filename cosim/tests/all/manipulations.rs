@@ -41,6 +41,24 @@ pub(crate) fn play(system: &System, text: &str) -> Recording {
     recording
 }
 
+/// The recorded value is the one that the next component gets, even where the manipulation is
+/// between two values of the type.
+#[test]
+fn a_manipulated_value_keeps_its_type() {
+    let ssd = Ssd::new().add("a", Counter).add("b", Counter).stop(0.4);
+    let system = ssd.connect("a.n", "b.m").connect("a.even", "b.odd").load(&Overrides::new());
+    let system = system.unwrap();
+    let text = r#"{"events": [
+        {"time": 0.1, "model": "a", "variable": "n", "action": "bias", "value": 9.7},
+        {"time": 0.1, "model": "a", "variable": "even", "action": "override", "value": 0.2}]}"#;
+    let results = play(&system, text);
+    let column = |name: &str| results.column(name).unwrap();
+    assert_eq!(column("a.n"), [0.0, 1.0, 12.0, 13.0, 14.0]);
+    assert_eq!(column("b.n"), [0.0, 2.0, 14.0, 16.0, 18.0]);
+    assert_eq!(column("a.even"), [1.0; 5]);
+    assert_eq!(column("b.even"), [0.0; 5]);
+}
+
 #[test]
 fn connected_inputs_outputs_and_free_inputs_are_manipulated_and_released() {
     let text = r#"{"defaults": {"action": "override"}, "events": [

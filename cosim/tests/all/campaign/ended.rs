@@ -35,8 +35,10 @@ const CAMPAIGN: [&str; 4] = ["campaign", "c.toml", "--jobs", "1"];
 /// The process that the FMU started, as soon as there is one.
 fn started(folder: &Path) -> u32 {
     loop {
-        if let Ok(number) = std::fs::read_to_string(folder.join("lingers")) {
-            return number.parse().unwrap();
+        let text = std::fs::read_to_string(folder.join("lingers"));
+        // A file that has just been created is empty.
+        if let Some(number) = text.ok().and_then(|text| text.parse().ok()) {
+            return number;
         }
         std::thread::yield_now();
     }
@@ -53,6 +55,34 @@ fn a_killed_campaign_leaves_no_process() {
     campaign.wait().unwrap();
     assert_eq!(all.len(), 2);
     assert!(remaining(&all, PATIENCE).is_empty());
+}
+
+/// The kernel may report the end of a parent once for each of its threads.
+#[test]
+fn a_process_that_learns_twice_of_the_end_of_its_campaign_leaves_no_process() {
+    let folder = TempDir::new().unwrap();
+    prepare(folder.path(), &[START, SPIN].concat(), "seeds = 1");
+    let mut campaign = start(folder.path(), &CAMPAIGN);
+    let lingers = started(folder.path());
+    let [maker] = children(campaign.id())[..] else { panic!("there is one process") };
+    signal(campaign.id(), "-STOP");
+    signal(maker, "-TERM");
+    // The first one has been handled when nothing is pending.
+    while pending(maker) {
+        std::thread::yield_now();
+    }
+    signal(maker, "-TERM");
+    let left = remaining(&[lingers], PATIENCE);
+    campaign.kill().unwrap();
+    campaign.wait().unwrap();
+    assert!(left.is_empty());
+}
+
+/// Whether a signal has not been handled yet.
+fn pending(process: u32) -> bool {
+    let status = std::fs::read_to_string(format!("/proc/{process}/status")).unwrap_or_default();
+    let lines = status.lines().filter_map(|line| line.strip_prefix("ShdPnd:"));
+    lines.map(str::trim).any(|signals| signals.bytes().any(|digit| digit != b'0'))
 }
 
 #[test]
