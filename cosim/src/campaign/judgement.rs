@@ -133,9 +133,11 @@ impl Judgement {
             errors: Vec::new(),
         };
         for (cell, rows) in cells.iter().enumerate() {
-            for (place, (figure, _)) in campaign.summarized().iter().enumerate() {
-                let good = rows.iter().filter(|row| row.status == Status::Ok);
-                let values: Vec<f64> = good.map(|row| row.figure(place)).collect();
+            let columns = columns(campaign, rows);
+            let good: Vec<bool> = rows.iter().map(|row| row.status == Status::Ok).collect();
+            for ((figure, _), column) in campaign.summarized().iter().zip(&columns) {
+                let values = column.iter().zip(&good).filter(|(_, good)| **good);
+                let values: Vec<f64> = values.map(|(value, _)| *value).collect();
                 judgement.figures.push(FigureOfCell {
                     cell: campaign.cell_name(cell).to_owned(),
                     figure: figure.clone(),
@@ -144,10 +146,10 @@ impl Judgement {
                     percentile_95: quantile(&values, 0.95, CONFIDENCE),
                 });
             }
-            judgement.verdicts.extend(verdicts(campaign, cell, rows));
+            judgement.verdicts.extend(verdicts(campaign, cell, &columns));
             judgement.compared.extend(compared(campaign, cell, &cells));
-            judgement.consistency.extend(consistency(campaign, cell, rows));
-            judgement.errors.extend(errors(campaign, cell, rows));
+            judgement.consistency.extend(consistency(campaign, cell, &columns));
+            judgement.errors.extend(errors(campaign, cell, &columns));
         }
         judgement
     }
@@ -168,7 +170,19 @@ impl Judgement {
     }
 }
 
-fn verdicts(campaign: &Campaign, cell: usize, rows: &[&Row]) -> Vec<Verdict> {
+/// For each figure, its values in these rows. Each row is visited once: rows are in different places
+/// in memory.
+fn columns(campaign: &Campaign, rows: &[&Row]) -> Vec<Vec<f64>> {
+    let mut columns = vec![Vec::with_capacity(rows.len()); campaign.figures.len()];
+    for row in rows {
+        for (place, column) in columns.iter_mut().enumerate() {
+            column.push(row.figure(place));
+        }
+    }
+    columns
+}
+
+fn verdicts(campaign: &Campaign, cell: usize, columns: &[Vec<f64>]) -> Vec<Verdict> {
     let name = campaign.cell_name(cell);
     let own = campaign.verdicts.iter().filter(|t| names::matches(&t.cells, name));
     let verdict = |threshold: &super::file::Threshold| {
@@ -177,11 +191,9 @@ fn verdicts(campaign: &Campaign, cell: usize, rows: &[&Row]) -> Vec<Verdict> {
         let keeps = |value: &f64| *value >= lowest && most.is_none_or(|most| *value <= most);
         // A run without figures counts as the worst possible.
         let worst = if most.is_some() { f64::INFINITY } else { f64::NEG_INFINITY };
-        let values: Vec<f64> = rows
-            .iter()
-            .map(|row| row.figure(threshold.figure))
-            .map(|value| if value.is_nan() { worst } else { value })
-            .collect();
+        let values = columns[threshold.figure].iter();
+        let values: Vec<f64> =
+            values.map(|value| if value.is_nan() { worst } else { *value }).collect();
         let kept = values.iter().filter(|value| keeps(value)).count() as u64;
         // The quantile p is at most a bound if a share p of all is; at least, if 1 - p is.
         let p = threshold.quantile;
@@ -219,15 +231,15 @@ fn compared(campaign: &Campaign, cell: usize, cells: &[Vec<&Row>]) -> Vec<Compar
     let Some(place) = campaign.cells.iter().position(|c| c == first) else { return Vec::new() };
     let others: HashMap<usize, &Row> =
         cells[place].iter().map(|row| (campaign.replicate_of(row.run), *row)).collect();
-    let figures = campaign.summarized().iter().enumerate().map(|(figure, (name, _))| {
-        let differences: Vec<f64> = cells[cell]
-            .iter()
-            .filter_map(|row| {
-                let other = others.get(&campaign.replicate_of(row.run))?;
-                let difference = row.figure(figure) - other.figure(figure);
-                (!difference.is_nan()).then_some(difference)
-            })
-            .collect();
+    let pairs = cells[cell]
+        .iter()
+        .filter_map(|row| Some((*row, *others.get(&campaign.replicate_of(row.run))?)));
+    let (own_rows, other_rows): (Vec<&Row>, Vec<&Row>) = pairs.unzip();
+    let (ours, theirs) = (columns(campaign, &own_rows), columns(campaign, &other_rows));
+    let figures = campaign.summarized().iter().zip(ours.iter().zip(&theirs));
+    let figures = figures.map(|((name, _), (ours, theirs))| {
+        let differences = ours.iter().zip(theirs).map(|(own, other)| own - other);
+        let differences: Vec<f64> = differences.filter(|value| !value.is_nan()).collect();
         Compared {
             cell: first.name.clone(),
             with: own.name.clone(),
@@ -248,13 +260,13 @@ fn instants(campaign: &Campaign) -> impl Iterator<Item = (&OverTime, f64, usize)
 }
 
 /// The values of a figure in the runs that have it.
-fn known(rows: &[&Row], place: usize) -> Vec<f64> {
-    rows.iter().map(|row| row.figure(place)).filter(|value| !value.is_nan()).collect()
+fn known(column: &[f64]) -> Vec<f64> {
+    column.iter().copied().filter(|value| !value.is_nan()).collect()
 }
 
-fn consistency(campaign: &Campaign, cell: usize, rows: &[&Row]) -> Vec<Consistency> {
+fn consistency(campaign: &Campaign, cell: usize, columns: &[Vec<f64>]) -> Vec<Consistency> {
     let of = |(over, time, place): (&OverTime, f64, usize)| {
-        let (axes, values) = (over.axes?, known(rows, place));
+        let (axes, values) = (over.axes?, known(&columns[place]));
         let count = values.len() as f64;
         let freedom = count * axes as f64;
         let band = [0.025, 0.975].map(|p| chi_square_quantile(p, freedom) / count);
@@ -265,9 +277,9 @@ fn consistency(campaign: &Campaign, cell: usize, rows: &[&Row]) -> Vec<Consisten
     instants(campaign).filter_map(of).collect()
 }
 
-fn errors(campaign: &Campaign, cell: usize, rows: &[&Row]) -> Vec<Errors> {
+fn errors(campaign: &Campaign, cell: usize, columns: &[Vec<f64>]) -> Vec<Errors> {
     let of = |(over, time, place): (&OverTime, f64, usize)| {
-        let mut values = known(rows, place);
+        let mut values = known(&columns[place]);
         values.sort_by(f64::total_cmp);
         Errors {
             cell: campaign.cell_name(cell).to_owned(),
@@ -276,7 +288,7 @@ fn errors(campaign: &Campaign, cell: usize, rows: &[&Row]) -> Vec<Errors> {
             runs: values.len(),
             quantiles: [0.05, 0.25, 0.5, 0.75, 0.95]
                 .map(|p| report::quantile_of_sorted(&values, p)),
-            sigma: report::quantile(&known(rows, place + 1), 0.5),
+            sigma: report::quantile(&known(&columns[place + 1]), 0.5),
         }
     };
     instants(campaign).filter(|(over, ..)| over.axes.is_none()).map(of).collect()

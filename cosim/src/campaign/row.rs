@@ -45,6 +45,9 @@ pub enum Status {
 }
 
 impl Status {
+    /// All of them, in order.
+    pub(super) const ALL: [Self; 4] = [Self::Ok, Self::Failed, Self::Crashed, Self::TimedOut];
+
     /// As a word.
     pub fn word(self) -> &'static str {
         match self {

@@ -8,7 +8,7 @@ use parquet::errors::Result as Written;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 
 use super::row::Number;
-use super::{Campaign, Row};
+use super::{Campaign, Row, Status};
 use crate::columns::{Holds, Table, Values};
 
 /// Rows of a row group.
@@ -57,23 +57,30 @@ pub(super) fn parquet(campaign: &Campaign, rows: &[Row], identity: &[String]) ->
         ("cosim.identity", identity.join("\n")),
     ];
     let about = about.into_iter().map(|(key, value)| (key.to_owned(), value));
+    // These are shared by all rows that have them.
+    let named = campaign.cells.iter().map(|cell| {
+        let (system, scenario) =
+            (&campaign.systems[cell.system], &campaign.scenarios[cell.scenario]);
+        let replacement = &campaign.replacements[cell.replacement];
+        [&*cell.name, &*system.0, &*replacement.name, &*scenario.0].map(ByteArray::from)
+    });
+    let named: Vec<[ByteArray; 4]> = named.collect();
+    let words = Status::ALL.map(|status| ByteArray::from(status.word()));
     let mut table = Table::new(Vec::new(), columns, about)?;
     for rows in rows.chunks(GROUP) {
-        let cells = || rows.iter().map(|row| &campaign.cells[campaign.cell_of(row.run)]);
         let input = |place| rows.iter().map(move |row| at(&row.inputs, place));
-        let mut values = vec![
-            whole(rows.iter().map(|row| row.run)),
-            text(cells().map(|cell| &*cell.name)),
-            text(cells().map(|cell| &*campaign.systems[cell.system].0)),
-            text(cells().map(|cell| &*campaign.replacements[cell.replacement].name)),
-            text(cells().map(|cell| &*campaign.scenarios[cell.scenario].0)),
-            whole(rows.iter().map(|row| campaign.replicate_of(row.run) as u64)),
-        ];
+        let mut values = vec![whole(rows.iter().map(|row| row.run))];
+        values.extend((0..4).map(|place| {
+            let names = rows.iter().map(|row| named[campaign.cell_of(row.run)][place].clone());
+            Values::Text(names.collect())
+        }));
+        values.push(whole(rows.iter().map(|row| campaign.replicate_of(row.run) as u64)));
         values.extend(inputs.iter().enumerate().map(|(place, (_, numbers))| match numbers {
             true => Values::Real(input(place).filter_map(|text| text.parse().ok()).collect()),
             false => text(input(place)),
         }));
-        values.push(text(rows.iter().map(|row| row.status.word())));
+        let words = rows.iter().map(|row| words[row.status as usize].clone());
+        values.push(Values::Text(words.collect()));
         values.push(text(rows.iter().map(|row| &*row.reason)));
         values.push(real(rows.iter().map(|row| row.simulated.0)));
         values.extend(

@@ -47,7 +47,7 @@ impl Time {
     #[inline]
     #[must_use]
     pub fn from_seconds(seconds: f64) -> Self {
-        Self { ns: (seconds * NS_PER_S).round() as i64 }
+        Self { ns: nearest(seconds * NS_PER_S) }
     }
 
     /// The instant nearest to `seconds`.
@@ -55,9 +55,9 @@ impl Time {
     /// # Errors
     /// It is beyond 2^62 ns (146 years), which leaves space for additions.
     pub fn try_from_seconds(seconds: f64) -> Result<Self, TimeError> {
-        let ns = (seconds * NS_PER_S).round();
-        match ns.is_finite() && ns.abs() < (1_i64 << 62) as f64 {
-            true => Ok(Self { ns: ns as i64 }),
+        let ns = seconds * NS_PER_S;
+        match ns.abs() < (1_i64 << 62) as f64 {
+            true => Ok(Self { ns: nearest(ns) }),
             false => Err(TimeError::OutOfRange),
         }
     }
@@ -80,6 +80,15 @@ impl Time {
     pub const fn after_ns(self, ns: i64) -> Self {
         Self { ns: self.ns.saturating_add(ns) }
     }
+}
+
+/// The integer nearest to a number, ties away from zero, as [`f64::round`] gives it, which is a call
+/// on processors that may lack an instruction for it.
+#[inline]
+fn nearest(number: f64) -> i64 {
+    let whole = number as i64;
+    let rest = number - whole as f64;
+    whole.saturating_add(i64::from(rest >= 0.5)).saturating_sub(i64::from(rest <= -0.5))
 }
 
 impl fmt::Display for TimeError {
@@ -331,6 +340,16 @@ mod tests {
         let step = Time::try_from_seconds(0.1).unwrap();
         assert_eq!(step.ns(), 100_000_000);
         assert_eq!((step + step + step).seconds(), 0.3);
+    }
+
+    #[test]
+    fn the_nearest_integer_is_that_of_the_standard_library() {
+        let below_half = 0.5_f64.next_down();
+        let numbers = [0.0, 0.5, below_half, 1.5, 2.5, 7.4, 1e9 + 0.5, 4503599627370497.5, 9e18];
+        for number in numbers.into_iter().chain([1e19, f64::INFINITY]).flat_map(|n| [n, -n]) {
+            assert_eq!(nearest(number), number.round() as i64, "{number}");
+        }
+        assert_eq!(nearest(f64::NAN), 0);
     }
 
     #[test]
