@@ -95,7 +95,7 @@ impl Page {
         }
         self.columns = columns;
         self.show = u32::try_from(said.get("number")?.as_u64()?).ok()?;
-        let history = locked(&hub.history).batch.clone();
+        let history = locked(&hub.history).all();
         Some(self.frame(&history, 1))
     }
 
