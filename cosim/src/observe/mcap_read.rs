@@ -38,7 +38,7 @@ pub(super) fn read(file: &Path) -> Result<Recording> {
     let mut topics: Vec<Topic> = Vec::new();
     let mut by_channel: HashMap<u16, Option<usize>> = HashMap::new();
     let mut time: Vec<u64> = Vec::new();
-    each(records, &mut |record| match record {
+    let finished = each(records, &mut |record| match record {
         Record::Channel { id, .. } if by_channel.contains_key(&id) => Ok(()),
         Record::Channel { id, topic, metadata } => {
             if metadata.iter().any(|(key, _)| *key == DERIVED) {
@@ -83,7 +83,8 @@ pub(super) fn read(file: &Path) -> Result<Recording> {
     let forms = columns.iter().map(|column| column.form).collect();
     let units = columns.iter_mut().map(|column| std::mem::take(&mut column.unit)).collect();
     let (names, values) = columns.into_iter().map(|c| (c.name, c.values)).unzip();
-    Ok(Recording::from_columns(names, time, values).with_forms(forms).with_units(units))
+    let read = Recording::from_columns(names, time, values).with_forms(forms).with_units(units);
+    Ok(if finished { read } else { read.unfinished("it has no footer") })
 }
 
 fn columns_of(listed: &str) -> Option<(Vec<Field>, Vec<Read>)> {
