@@ -102,8 +102,8 @@ export function errorPlots(hello, body, store) {
   });
 }
 
-/** All columns used by bodies. */
+/** All columns used by bodies and courses. */
 export function bodyColumns(hello) {
-  const places = hello.bodies.flatMap((body) => [...body.pose, ...body.sigma, body.xy]);
+  const places = [...hello.bodies.flatMap((body) => [...body.pose, ...body.sigma, body.xy]), ...hello.courses.flatMap((course) => course.position)];
   return places.filter(Boolean).map(([column]) => column);
 }
