@@ -180,7 +180,7 @@ def test_the_course_is_a_line_of_its_own_kind(page, tmp_path):
     page.get_by_label("guide.setpoint, course").uncheck()
     picture(page, canvas)
     assert ink(page, canvas, colour(page, "course"), [0.05, 0.15]) == 0
-    # The course is ahead of the vehicle: pointing at it does not move the cursor.
+    # Where it is at the instant of the cursor.
     expect(page.locator("#instant tbody tr", has_text="guide.setpoint")).to_have_count(1)
 
 

@@ -32,9 +32,15 @@ pub(super) fn read(file: &Path) -> Result<Recording> {
         |why: String| Error::new(Code::Results, "the results cannot be read").at(file).why(why);
     let bytes = crate::files::read_input(file)
         .map_err(|e| Error::new(Code::File, "the results cannot be read").at(file).why(e))?;
-    let records = bytes
-        .strip_prefix(MAGIC)
-        .ok_or_else(|| wrong("the file is not MCAP: its first bytes are wrong".to_owned()))?;
+    let records = bytes.strip_prefix(MAGIC).ok_or_else(|| {
+        wrong(format!(
+            "the file is not MCAP: {}",
+            match bytes.is_empty() {
+                true => "it is empty",
+                false => "its first bytes are wrong",
+            }
+        ))
+    })?;
     let mut topics: Vec<Topic> = Vec::new();
     let mut by_channel: HashMap<u16, Option<usize>> = HashMap::new();
     let mut time: Vec<u64> = Vec::new();

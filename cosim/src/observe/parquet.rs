@@ -128,6 +128,9 @@ pub(super) fn read(path: &Path) -> Result<Recording> {
         |why: String| Error::new(Code::Results, "the results cannot be read").at(path).why(why);
     let broken = |e: ParquetError| unread(e.to_string());
     let content = files::read_input(path).map_err(|e| unread(e.to_string()))?;
+    if content.is_empty() {
+        return Err(unread("the file is empty".into()));
+    }
     if content.starts_with(MAGIC) && !content.ends_with(MAGIC) {
         return Err(unread("its end is missing, and with it the positions of all columns".into())
             .help("repeat the run; CSV and MCAP can be read as far as they were written"));

@@ -260,7 +260,7 @@ mod tests {
         let columns = (0..names.len()).map(|column| vec![column as f64, 50.0]).collect();
         let recording = Recording::from_columns(names, vec![0.0, 1.0], columns);
         let page = html(&recording, &Options::default()).unwrap();
-        let map = page.split("\"map\":").nth(1).unwrap().split("\"xy\":").next().unwrap();
+        let map = page.split("\"map\":").nth(1).unwrap().split("\"plots\":").next().unwrap();
         for (name, role, x) in [
             ("guide.reference", "course", 0),
             ("t.pose", "truth", 2),

@@ -296,7 +296,7 @@ mod tests {
         for (wrong, said) in [
             ("for = [20]", "a list of two durations is expected"),
             ("for = [20, 10]", "10 is less than 20"),
-            ("for = [0, 10]", "0 is not greater than 0"),
+            ("for = [0, 10]", "0 s is not greater than 0"),
         ] {
             let text = format!("[[fault]]\nkind = 'stuck'\non = 'a.x'\nfrom = 1\n{wrong}\n");
             let error = read(&text).unwrap_err().to_string();
