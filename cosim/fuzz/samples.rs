@@ -222,6 +222,9 @@ pose = { x = "filter.pose.x", y = "filter.pose.y", yaw = "filter.pose.yaw" }
 sigma = { x = "filter.sigma.x", y = "filter.sigma.y", yaw = "filter.sigma.yaw" }
 covariance = { x_y = "filter.covariance.x_y" }
 
+[courses.leg]
+position = "pursuit.target"
+
 [sensors.log]
 velocity = "dvl.velocity"
 stamp = "dvl.stamp"

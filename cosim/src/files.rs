@@ -21,10 +21,9 @@ use crate::error::{Code, Error, Result};
 pub use durable::{Durable, save_all};
 pub(crate) use durable::{sync_folder, synced};
 pub use given::{CONTINUED, give, of_outbox, outbox_name};
-pub(crate) use inputs::note_continued;
 pub use inputs::{
-    note_input, open_input, protect_inputs, read_foreign, read_input, read_input_text,
-    refuse_inputs,
+    note_continued, note_input, open_input, protect_inputs, read_foreign, read_input,
+    read_input_text, refuse_inputs,
 };
 pub use whole::{Unfinished, copy, replace};
 

@@ -35,8 +35,8 @@ SYSTEM = ["run", ROOT / "examples" / "baseline.ssd", "--output-interval", "0.1"]
 class Live:
     """A served run, starting with its initial pause."""
 
-    def __init__(self, folder, *arguments):
-        command = [COSIM, *SYSTEM, *arguments, "--live", "--paused", "-o", "run.csv"]
+    def __init__(self, folder, *arguments, system=SYSTEM):
+        command = [COSIM, *system, *arguments, "--live", "--paused", "-o", "run.csv"]
         self.process = subprocess.Popen([*map(str, command)], cwd=folder, stderr=subprocess.PIPE, text=True)
         self.reported, self.page, self.foxglove = "", None, None
         while self.foxglove is None:
@@ -231,6 +231,36 @@ def test_a_stalled_client_stops_neither_the_run_nor_others(browser, tmp_path):
         for page in pages:
             page.close()
     assert (tmp_path / "run.csv").read_bytes() == plain(tmp_path, *arguments)
+
+
+def wait_until(page, condition):
+    """Waits until a condition holds in the page, whose policy forbids Playwright's own way."""
+    page.evaluate(f"() => new Promise((done) => {{ const look = () => ({condition} ? done() : requestAnimationFrame(look)); look(); }})")
+
+
+def test_a_late_client_gets_the_newest_sample(browser, tmp_path):
+    """More samples than the history keeps, so that it has every second or fourth only."""
+    with Live(tmp_path, "--stop-time", "600", system=[*SYSTEM[:-1], "0.01"]) as live:
+        early, late = browser.new_page(), browser.new_page()
+        early.goto(live.page)
+        expect(status(early, "state")).to_have_text("paused")
+        early.get_by_label("Speed").select_option(label="as fast as it can")
+        newest = "livePage.store.t.at(-1)"
+        for _ in range(3):
+            before = early.evaluate("livePage.state.time")
+            early.get_by_role("button", name="Go on").click()
+            wait_until(early, f"livePage.state.time > {before} + 20")
+            early.get_by_role("button", name="Pause").click()
+            expect(status(early, "state")).to_have_text("paused")
+            late.goto(live.page)
+            expect(status(late, "state")).to_have_text("paused")
+            wait_until(late, "livePage.store.t.length > 100")
+            now = early.evaluate("livePage.state.time")
+            assert [page.evaluate(newest) for page in (early, late)] == [now, now]
+        gaps = late.evaluate("livePage.store.t.slice(1, 20).map((time, i) => time - livePage.store.t[i])")
+        assert min(gaps) > 0.015, "the history is thinned"
+        early.close()
+        late.close()
 
 
 CLIENT = """([url, topics, protocols]) => new Promise((resolve, reject) => {

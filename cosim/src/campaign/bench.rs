@@ -290,8 +290,8 @@ impl Bench {
     fn scenario(&self, run: u64) -> Option<Scenario> {
         let cell = self.cell(run);
         let scenario = self.scenarios[cell.scenario].clone()?;
-        let seed = self.seed(run, FAULTS, "").below(usize::MAX) as u64;
-        Some(scenario.renamed(&self.campaign.systems[cell.system].1.names).seeded(seed))
+        let names = &self.campaign.systems[cell.system].1.names;
+        Some(scenario.renamed(names).seeded(self.fault_seed(run)))
     }
 
     /// The row of a run that failed in the process that made it.
@@ -323,6 +323,28 @@ impl Bench {
     /// The time spans in which a fault is active in a recorded run.
     pub(super) fn windows(&self, run: u64, recording: &Recording) -> Vec<Window> {
         self.scenario(run).map_or_else(Vec::new, |scenario| scenario.windows(recording))
+    }
+
+    /// How long measurements are missing in a run (s): see [`Scenario::outage`].
+    pub(super) fn outage(&self, run: u64) -> f64 {
+        let cell = self.cell(run);
+        let Some(scenario) = &self.scenarios[cell.scenario] else { return 0.0 };
+        let system = &self.systems[cell.system].system;
+        let stop = self.campaign.stop_time.unwrap_or(system.stop_time().seconds());
+        scenario.outage(self.fault_seed(run), [system.start_time().seconds(), stop])
+    }
+
+    /// What the scenario of a cell does, without times; empty if it does nothing.
+    pub(super) fn scenario_words(&self, cell: usize) -> String {
+        let scenario = self.campaign.cells[cell].scenario;
+        let set = self.campaign.scenarios[scenario].1.start_values.iter();
+        let set = set.map(|(name, value)| format!("{name} = {value}"));
+        let faults = self.scenarios[scenario].iter().flat_map(Scenario::words);
+        set.chain(faults).collect::<Vec<_>>().join("; ")
+    }
+
+    fn fault_seed(&self, run: u64) -> u64 {
+        self.seed(run, FAULTS, "").below(usize::MAX) as u64
     }
 
     fn row(&self, run: u64, more: &[String], results: &mut dyn Observer) -> Row {

@@ -207,6 +207,7 @@ impl Output {
             return self.digested(observe::create_with(target, self.roles()?)?);
         }
         let old = Recording::read_unfinished(target)?;
+        files::note_continued(target);
         if !old.names().iter().eq(system.columns().iter().map(|column| &column.name)) {
             return Err(Error::new(Code::Results, "the results cannot be continued")
                 .at(target)

@@ -95,7 +95,7 @@ impl Report {
     }
 
     fn single(&self, kind: Kind) -> Result<Vec<u8>> {
-        let recording = Recording::read(&self.results)?;
+        let recording = Recording::read_unfinished(&self.results)?;
         let stem = || self.results.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let estimate = |path: &String| Estimate { path: path.clone(), ..Estimate::default() };
         let mut sources = vec![("Results".to_owned(), self.results.clone())];
@@ -119,6 +119,7 @@ impl Report {
             scenario: self.scenario.as_ref().map(Scenario::read).transpose()?,
             sources,
         };
+        recording.missing().iter().for_each(|note| messages::note(note));
         match kind {
             Kind::Page => html(&recording, &options).map(String::into_bytes),
             Kind::Picture(format) => picture(&recording, &options, format),

@@ -66,6 +66,8 @@ pub enum End {
     At(Time),
     /// This long after its start.
     After(Time),
+    /// A time after its start between these two, uniformly distributed.
+    AfterBetween(Time, Time),
 }
 
 impl Fault {
@@ -75,7 +77,8 @@ impl Fault {
         let from = self.begins(seed, number, start);
         let own = if self.kind.is_common() { 1 } else { 2 + u64::from(place) };
         let random = Random::new(&[seed, u64::from(number), own]);
-        Acting::new(number, self.kind.clone(), from, self.end, random)
+        let end = self.ends(seed, number);
+        Acting::new(number, self.kind.clone(), from, end, random)
             .ramped(self.ramp_in, self.ramp_out)
             .sampled(self.every)
     }
@@ -87,11 +90,25 @@ impl Fault {
             Begin::Start => Some(start),
             Begin::At(time) => Some(*time),
             Begin::Between(first, last) => {
-                let span = (*last - *first).ns() as f64;
-                let part = Random::new(&[seed, u64::from(number), 0]).uniform();
-                Some(*first + Time::from_ns((part * span) as i64))
+                Some(drawn(&[seed, u64::from(number), 0], *first, *last))
             }
             Begin::When(_) => None,
         }
     }
+
+    /// When the fault ends, with its duration if that is random: the same for all its variables.
+    pub(crate) fn ends(&self, seed: u64, number: u32) -> End {
+        match self.end {
+            End::AfterBetween(least, most) => {
+                End::After(drawn(&[seed, u64::from(number), 0, 1], least, most))
+            }
+            end => end,
+        }
+    }
+}
+
+/// A time between two, uniformly distributed, from the random stream with this address.
+fn drawn(address: &[u64], least: Time, most: Time) -> Time {
+    let part = Random::new(address).uniform();
+    least + Time::from_ns((part * (most - least).ns() as f64) as i64)
 }

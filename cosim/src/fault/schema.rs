@@ -33,11 +33,16 @@ fn fault(word: &Word) -> Value {
     add("installed", number("is installed at this instant (s); by default with the run"));
     add("from", number("begins at this instant (s)"));
     add("until", number("ends at this instant (s)"));
-    add("for", number("lasts this long (s)"));
-    let two = json!({ "type": "number" });
+    let one = json!({ "type": "number" });
+    let two = json!({ "type": "array", "items": one, "minItems": 2, "maxItems": 2 });
+    add(
+        "for",
+        json!({ "description": "lasts this long, or a time drawn between two (s)",
+                       "oneOf": [one, two] }),
+    );
     add(
         "between",
-        json!({ "type": "array", "items": two, "minItems": 2, "maxItems": 2,
+        json!({ "type": "array", "items": one, "minItems": 2, "maxItems": 2,
                            "description": "begins at an instant drawn between these (s)" }),
     );
     add(

@@ -31,14 +31,18 @@ impl Fault {
             }
             (None, _) => return None,
         };
-        let until = match self.end {
+        let until = match self.ends(seed, number) {
             End::Never if self.kind == Kind::Reset => Some(from),
             End::Never => None,
             End::At(time) => Some(time.seconds()),
-            End::After(lasts) => Some(from + lasts.seconds()),
+            End::After(lasts) | End::AfterBetween(lasts, _) => Some(from + lasts.seconds()),
         };
-        let label = format!("{} of {}", word(&self.kind), self.variables.join(", "));
-        Some(Window { label, from, until })
+        Some(Window { label: self.words(), from, until })
+    }
+
+    /// Its kind and its variables.
+    pub(crate) fn words(&self) -> String {
+        format!("{} of {}", word(&self.kind), self.variables.join(", "))
     }
 }
 
@@ -99,5 +103,14 @@ mod tests {
         let drawn = fault(Begin::Between(second(1), second(3)), End::Never);
         let from = drawn.window(7, 0, &recording).unwrap().from;
         assert_eq!(Some(from), drawn.begins(7, 0, Time::ZERO).map(Time::seconds));
+        let lasting = fault(Begin::At(second(1)), End::AfterBetween(second(2), second(4)));
+        let lasts = |seed| {
+            let window = lasting.window(seed, 0, &recording).unwrap();
+            window.until.unwrap() - window.from
+        };
+        assert!((0..50).map(lasts).all(|lasts| (2.0..4.0).contains(&lasts)));
+        assert!((0..50).map(lasts).any(|lasts| lasts < 2.5));
+        assert!((0..50).map(lasts).any(|lasts| lasts > 3.5));
+        assert_eq!(lasting.ends(7, 0), lasting.ends(7, 0));
     }
 }

@@ -37,7 +37,7 @@ pub fn note_input(file: &Path) {
 }
 
 /// Notes that a file that was read is continued: it may be replaced.
-pub(crate) fn note_continued(file: &Path) {
+pub fn note_continued(file: &Path) {
     if let (Some(inputs), Some(identity)) = (&mut *inputs(), identity(file)) {
         inputs.remove(&identity);
     }

@@ -71,6 +71,13 @@ impl Thinned {
         }
     }
 
+    /// The stored samples, with the newest.
+    pub(super) fn all(&self) -> Batch {
+        let mut all = self.batch.clone();
+        self.newest.iter().for_each(|time| all.push(*time, &self.row));
+        all
+    }
+
     /// Takes the stored samples; the next ones are again taken one by one.
     pub(super) fn take(&mut self) -> Batch {
         if let Some(time) = self.newest.take() {
@@ -92,7 +99,13 @@ mod tests {
         for time in 0..1000 {
             thinned.push(time, &[time as f64]);
             assert!(thinned.batch.times.len() <= 8);
+            assert_eq!(
+                thinned.all().times.last(),
+                Some(&time),
+                "a client that connects now gets the newest"
+            );
         }
+        assert_eq!(thinned.all(), thinned.clone().take());
         let Batch { mut times, values, .. } = thinned.take();
         assert_eq!(times.last(), Some(&999), "the newest is there, though it is not evenly spaced");
         assert!(times.iter().zip(&values).all(|(time, value)| *time as f64 == *value));

@@ -82,6 +82,8 @@ pub(super) struct Hub {
     /// The events so far, and the number of earlier ones that are no longer kept.
     events: Mutex<(VecDeque<String>, usize)>,
     pub(super) history: Mutex<Thinned>,
+    /// Samples since the last batch; only the run uses them.
+    pub(super) fresh: Mutex<Thinned>,
     clients: Mutex<Vec<Arc<Mailbox>>>,
     pub(super) requests: Mutex<Sender<Request>>,
 }
@@ -118,14 +120,16 @@ impl Hub {
             newest: Mutex::new(Newest { version: 1, playing, ..Newest::default() }),
             events: Mutex::default(),
             history: Mutex::new(Thinned::new(0, 2)),
+            fresh: Mutex::new(Thinned::new(0, 2)),
             clients: Mutex::default(),
             requests: Mutex::new(requests),
         }
     }
 
-    /// The run starts.
-    pub(super) fn begin(&self, about: About, history: usize) {
+    /// The run starts; `history` and `batch` are the most rows to keep and to send at once.
+    pub(super) fn begin(&self, about: About, history: usize, batch: usize) {
         *locked(&self.history) = Thinned::new(about.columns.len(), history);
+        *locked(&self.fresh) = Thinned::new(about.columns.len(), batch);
         self.update(|newest| newest.time = about.start);
         // A server serves one run.
         let _ = self.about.set(about);
@@ -177,8 +181,9 @@ impl Hub {
         locked(&self.clients).retain(|client| !Arc::ptr_eq(client, mailbox));
     }
 
-    pub(super) fn publish(&self, batch: Batch) {
-        let batch = Arc::new(batch);
+    /// Sends the samples since the last batch.
+    pub(super) fn publish(&self) {
+        let batch = Arc::new(locked(&self.fresh).take());
         locked(&self.clients).iter().for_each(|client| client.put(&batch));
     }
 

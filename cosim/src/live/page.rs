@@ -13,7 +13,7 @@ use super::batch::Batch;
 use super::client::Speaker;
 use super::hub::{About, Hub, Newest, Request, SPEEDS, locked};
 use crate::fault::KINDS;
-use crate::roles::{Axes, Body, Place};
+use crate::roles::{Axes, Body, Course, Group, Place};
 
 pub(super) const PROTOCOL: &str = "cosim.live.v1";
 
@@ -39,6 +39,7 @@ impl Speaker for Page {
             "columns": columns.collect::<Vec<_>>(),
             "up": about.roles.axes == Axes::Enu,
             "bodies": about.roles.bodies.iter().map(body).collect::<Vec<_>>(),
+            "courses": about.roles.courses.iter().map(course).collect::<Vec<_>>(),
             "kinds": KINDS.iter().map(kind).collect::<Vec<_>>(),
             "faults": about.faults,
         });
@@ -95,7 +96,7 @@ impl Page {
         }
         self.columns = columns;
         self.show = u32::try_from(said.get("number")?.as_u64()?).ok()?;
-        let history = locked(&hub.history).batch.clone();
+        let history = locked(&hub.history).all();
         Some(self.frame(&history, 1))
     }
 
@@ -130,15 +131,22 @@ fn request(mut said: Map<String, Value>) -> Option<Request> {
     })
 }
 
-/// The columns of a body, each with its conversion to base units: a factor and an offset.
+/// The columns of a group, each with its conversion to base units: a factor and an offset.
+fn columns<const N: usize>(group: &Group<N>) -> Vec<Option<(usize, f64, f64)>> {
+    group.places().iter().map(|place| place.map(Place::numbers)).collect()
+}
+
+fn course(course: &Course) -> Value {
+    json!({ "name": course.name, "position": columns(&course.position) })
+}
+
 fn body(body: &Body) -> Value {
-    let places = |places: [Option<Place>; 6]| places.map(|place| place.map(Place::numbers));
     let both = body.covariances.iter().find(|(one, other, _)| (*one, *other) == (0, 1));
     json!({
         "name": body.name,
         "truth": body.is_truth,
-        "pose": places(body.pose.places()),
-        "sigma": places(body.sigma.places()),
+        "pose": columns(&body.pose),
+        "sigma": columns(&body.sigma),
         "xy": both.map(|(_, _, place)| place.numbers()),
     })
 }

@@ -93,8 +93,9 @@ impl Server {
         }
     }
 
-    /// Updates the status of the run.
+    /// Updates the status of the run; in a pause clients have all samples.
     pub fn update(&self, now: Time, playing: &Playing) {
+        self.shared.hub.publish();
         self.shared.hub.update(|newest| {
             newest.time = now;
             newest.playing = playing.clone();

@@ -5,8 +5,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::json;
 
-use super::batch::Thinned;
-use super::hub::{About, Hub};
+use super::hub::{About, Hub, locked};
 use crate::error::Result;
 use crate::fault::Window;
 use crate::observe::{Observer, RunInfo};
@@ -26,24 +25,24 @@ pub struct Watch {
     hub: Arc<Hub>,
     declared: Option<Declaration>,
     faults: Vec<Window>,
-    fresh: Thinned,
     sent: Instant,
     /// Start of the speed measurement: wall-clock time, and simulated time.
     since: (Instant, Time),
     now: Time,
+    /// The newest sample is not in the history.
+    skipped: bool,
 }
 
 impl Watch {
     pub(super) fn new(hub: Arc<Hub>, declared: Option<Declaration>, faults: Vec<Window>) -> Self {
         let (now, begun) = (Time::ZERO, Instant::now());
-        let (fresh, since) = (Thinned::new(0, 2), (begun, now));
-        Self { hub, declared, faults, fresh, sent: begun, since, now }
+        Self { hub, declared, faults, sent: begun, since: (begun, now), now, skipped: false }
     }
 
     #[cold]
     fn send(&mut self, clock: Instant) {
         self.sent = clock;
-        self.hub.publish(self.fresh.take());
+        self.hub.publish();
         let spent = clock - self.since.0;
         let (time, since) = (self.now, self.since.1);
         self.hub.update(|newest| {
@@ -74,18 +73,22 @@ impl Observer for Watch {
         };
         self.now = about.start;
         self.since = (Instant::now(), about.start);
-        self.fresh = Thinned::new(width, (BATCH / width.max(1)).clamp(4, 64));
-        self.hub.begin(about, (HISTORY / width.max(1)).clamp(40, 3000));
+        let rows = |values: usize| values / width.max(1);
+        self.hub.begin(about, rows(HISTORY).clamp(40, 3000), rows(BATCH).clamp(4, 64));
         Ok(())
     }
 
     fn sample(&mut self, time: Time, values: &[f64]) -> Result<()> {
         let nanoseconds = time.ns();
         // The run waits for no client: a sample is skipped while a new client copies the history.
-        if let Ok(mut history) = self.hub.history.try_lock() {
-            history.push(nanoseconds, values);
-        }
-        self.fresh.push(nanoseconds, values);
+        self.skipped = match self.hub.history.try_lock() {
+            Ok(mut history) => {
+                history.push(nanoseconds, values);
+                false
+            }
+            Err(_) => true,
+        };
+        locked(&self.hub.fresh).push(nanoseconds, values);
         self.now = time;
         let clock = Instant::now();
         if clock - self.sent >= FRAME {
@@ -95,6 +98,11 @@ impl Observer for Watch {
     }
 
     fn finish(&mut self) -> Result<()> {
+        if self.skipped
+            && let Some((time, row)) = locked(&self.hub.fresh).all().rows().last()
+        {
+            locked(&self.hub.history).push(time, row);
+        }
         self.send(Instant::now());
         Ok(())
     }

@@ -22,7 +22,7 @@ pub(super) fn read(file: &Path) -> Result<Recording> {
 
 /// Reads a file whose writer may have been killed: an incomplete last record is ignored.
 pub(super) fn read_unfinished(file: &Path) -> Result<Recording> {
-    let bytes = std::fs::read(file)
+    let bytes = crate::files::read_input(file)
         .map_err(|e| Error::new(Code::File, "the results cannot be read").at(file).why(e))?;
     // An incomplete record may look like a shorter number.
     let (mut whole, mut quoted) = (0, false);
@@ -34,7 +34,14 @@ pub(super) fn read_unfinished(file: &Path) -> Result<Recording> {
     }
     let text = std::str::from_utf8(&bytes[..whole])
         .map_err(|e| Error::new(Code::Results, "the results are not text").at(file).why(e))?;
-    parse(text, file)
+    if whole == 0 && !bytes.is_empty() {
+        return Err(Error::new(Code::Results, "the results end within their first line")
+            .at(file)
+            .why("the file may be truncated: the run was killed while writing")
+            .help("run again"));
+    }
+    let read = parse(text, file)?;
+    Ok(if whole == bytes.len() { read } else { read.unfinished("its last line has no end") })
 }
 
 fn parse(text: &str, file: &Path) -> Result<Recording> {
@@ -202,7 +209,14 @@ mod tests {
         let file = tempfile::NamedTempFile::new().unwrap();
         std::fs::write(file.path(), "time,a\n0.0,1.5\n0.1,1.2").unwrap();
         assert_eq!(read(file.path()).unwrap().time(), [0.0, 0.1]);
-        assert_eq!(read_unfinished(file.path()).unwrap().time(), [0.0]);
+        assert_eq!(read(file.path()).unwrap().missing(), None);
+        let unfinished = read_unfinished(file.path()).unwrap();
+        assert_eq!(unfinished.time(), [0.0]);
+        assert!(unfinished.missing().unwrap().ends_with("there is nothing after t = 0 s"));
+        std::fs::write(file.path(), "time,a\n0.0,1.5\n").unwrap();
+        assert_eq!(read_unfinished(file.path()).unwrap().missing(), None);
+        std::fs::write(file.path(), "time,a").unwrap();
+        assert!(read_unfinished(file.path()).unwrap_err().to_string().contains("first line"));
     }
 
     #[test]

@@ -32,13 +32,19 @@ pub(super) fn read(file: &Path) -> Result<Recording> {
         |why: String| Error::new(Code::Results, "the results cannot be read").at(file).why(why);
     let bytes = crate::files::read_input(file)
         .map_err(|e| Error::new(Code::File, "the results cannot be read").at(file).why(e))?;
-    let records = bytes
-        .strip_prefix(MAGIC)
-        .ok_or_else(|| wrong("the file is not MCAP: its first bytes are wrong".to_owned()))?;
+    let records = bytes.strip_prefix(MAGIC).ok_or_else(|| {
+        wrong(format!(
+            "the file is not MCAP: {}",
+            match bytes.is_empty() {
+                true => "it is empty",
+                false => "its first bytes are wrong",
+            }
+        ))
+    })?;
     let mut topics: Vec<Topic> = Vec::new();
     let mut by_channel: HashMap<u16, Option<usize>> = HashMap::new();
     let mut time: Vec<u64> = Vec::new();
-    each(records, &mut |record| match record {
+    let finished = each(records, &mut |record| match record {
         Record::Channel { id, .. } if by_channel.contains_key(&id) => Ok(()),
         Record::Channel { id, topic, metadata } => {
             if metadata.iter().any(|(key, _)| *key == DERIVED) {
@@ -83,7 +89,8 @@ pub(super) fn read(file: &Path) -> Result<Recording> {
     let forms = columns.iter().map(|column| column.form).collect();
     let units = columns.iter_mut().map(|column| std::mem::take(&mut column.unit)).collect();
     let (names, values) = columns.into_iter().map(|c| (c.name, c.values)).unzip();
-    Ok(Recording::from_columns(names, time, values).with_forms(forms).with_units(units))
+    let read = Recording::from_columns(names, time, values).with_forms(forms).with_units(units);
+    Ok(if finished { read } else { read.unfinished("it has no footer") })
 }
 
 fn columns_of(listed: &str) -> Option<(Vec<Field>, Vec<Read>)> {

@@ -16,11 +16,12 @@ pub(super) enum Record<'a> {
     Message { channel: u16, log_time: u64, data: &'a [u8] },
 }
 
-/// Shows what follows the magic bytes to `see`, up to the footer or to where the file is truncated.
+/// Shows what follows the magic bytes to `see`, up to the footer or to where the file is truncated;
+/// whether there is a footer.
 pub(super) fn each<'a>(
     bytes: &'a [u8],
     see: &mut dyn FnMut(Record<'a>) -> Result<(), String>,
-) -> Result<(), String> {
+) -> Result<bool, String> {
     walk(bytes, true, see)
 }
 
@@ -28,22 +29,22 @@ fn walk<'a>(
     bytes: &'a [u8],
     chunks: bool,
     see: &mut dyn FnMut(Record<'a>) -> Result<(), String>,
-) -> Result<(), String> {
+) -> Result<bool, String> {
     let mut left = Bytes(bytes);
     while let (Some(&[opcode]), Some(length)) = (left.array::<1>(), left.u64()) {
         let there = usize::try_from(length).unwrap_or(usize::MAX).min(left.0.len());
         let whole = there as u64 == length;
         let content = Bytes(left.take(there).unwrap_or_default());
         match opcode {
-            FOOTER => return Ok(()),
+            FOOTER => return Ok(true),
             // An incomplete chunk contains an incomplete record. Chunks are not nested.
-            CHUNK if chunks => walk(chunk(content, whole)?, false, see)?,
+            CHUNK if chunks => drop(walk(chunk(content, whole)?, false, see)?),
             CHANNEL if whole => see(channel(content).ok_or("a channel is damaged")?)?,
             MESSAGE if whole => see(message(content).ok_or("a message is damaged")?)?,
             _ => (),
         }
     }
-    Ok(())
+    Ok(false)
 }
 
 /// The records of a chunk after its times, size, checksum (0: none) and compression. The checksum

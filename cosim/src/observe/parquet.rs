@@ -22,6 +22,8 @@ use crate::texts;
 use crate::time::Time;
 use crate::units::recorded::{self, UNITS};
 
+/// First and last bytes of a file.
+const MAGIC: &[u8] = b"PAR1";
 /// Number of values in a row group: a group is kept in memory.
 const GROUP: usize = 1 << 20;
 
@@ -126,6 +128,13 @@ pub(super) fn read(path: &Path) -> Result<Recording> {
         |why: String| Error::new(Code::Results, "the results cannot be read").at(path).why(why);
     let broken = |e: ParquetError| unread(e.to_string());
     let content = files::read_input(path).map_err(|e| unread(e.to_string()))?;
+    if content.is_empty() {
+        return Err(unread("the file is empty".into()));
+    }
+    if content.starts_with(MAGIC) && !content.ends_with(MAGIC) {
+        return Err(unread("its end is missing, and with it the positions of all columns".into())
+            .help("repeat the run; CSV and MCAP can be read as far as they were written"));
+    }
     let size = content.len() as u64;
     let file = std::fs::File::open(path).map_err(|e| unread(e.to_string()))?;
     let reader = SerializedFileReader::new(file).map_err(broken)?;

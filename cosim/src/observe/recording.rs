@@ -11,7 +11,6 @@ use super::csv_read;
 use super::mcap_read;
 use super::{CsvRecorder, Format, Observer, RunInfo};
 use crate::error::{Code, Error, Result};
-use crate::files;
 use crate::names;
 use crate::signals::Table;
 use crate::system::Column;
@@ -25,6 +24,8 @@ pub struct Recording {
     forms: Vec<Form>,
     /// Empty if no unit is known; not all files contain units.
     units: Vec<String>,
+    /// How the file shows that its writer did not finish it.
+    unfinished: Option<&'static str>,
     time: Vec<f64>,
     columns: Vec<Vec<f64>>,
     /// The newest rows, one after another: columns grow in blocks, because each is in a different
@@ -32,7 +33,7 @@ pub struct Recording {
     rows: Vec<f64>,
 }
 
-/// The same names and values: units are not compared.
+/// The same names and values: nothing else is compared.
 impl PartialEq for Recording {
     fn eq(&self, other: &Self) -> bool {
         (&self.names, &self.forms, &self.time, &self.columns, &self.rows)
@@ -74,9 +75,23 @@ impl Recording {
         if Format::of(file) == Format::Csv {
             return csv_read::read_unfinished(file);
         }
-        let read = Self::read(file);
-        files::note_continued(file);
-        read
+        Self::read(file)
+    }
+
+    /// What is missing, if the writer of the file did not finish it.
+    pub fn missing(&self) -> Option<String> {
+        let because = self.unfinished?;
+        let rest = self.time.last().map_or_else(
+            || "no sample is complete".to_owned(),
+            |last| format!("there is nothing after t = {last} s"),
+        );
+        Some(format!("the file ends early, as after a run that was killed ({because}): {rest}"))
+    }
+
+    /// From a file that its writer did not finish.
+    pub(super) fn unfinished(mut self, because: &'static str) -> Self {
+        self.unfinished = Some(because);
+        self
     }
 
     /// The types of the columns.
@@ -94,7 +109,8 @@ impl Recording {
     /// These columns, then others of numbers: names, units and values.
     pub(crate) fn with_columns(&self, kept: &[usize], more: Vec<(String, &str, Vec<f64>)>) -> Self {
         let unit = |place: usize| self.units.get(place).cloned().unwrap_or_default();
-        let mut all = Self { time: self.time.clone(), ..Self::default() };
+        let (time, unfinished) = (self.time.clone(), self.unfinished);
+        let mut all = Self { time, unfinished, ..Self::default() };
         for &place in kept {
             all.names.push(self.names[place].clone());
             all.forms.push(self.forms[place]);

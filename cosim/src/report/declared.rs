@@ -4,7 +4,7 @@
 use std::collections::HashSet;
 use std::f64::consts::FRAC_PI_2;
 
-use crate::roles::{Axes, Choice, Declaration, Estimate, POSE, Place, VELOCITY};
+use crate::roles::{Axes, Choice, Declaration, Estimate, Group, POSE, Place, VELOCITY};
 use crate::{Recording, Result};
 
 /// A value of the report from one of the results: the axis of that, its sign, and what is added.
@@ -56,7 +56,7 @@ pub(super) fn declared(
             ));
         }
     };
-    let mut choice = Choice { fixes: Some(Vec::new()), ..Choice::default() };
+    let mut choice = Choice::default();
     for body in &roles.bodies {
         let of = |group: &str| format!("{}.{group}", body.name);
         add(of("pose"), &POSE, &poses, &body.pose.places());
@@ -77,11 +77,17 @@ pub(super) fn declared(
             choice.estimates.push(Estimate { path, sigma, covariance });
         }
     }
-    for sensor in roles.sensors.iter().filter(|sensor| sensor.position.has([0, 1])) {
-        let path = format!("{}.position", sensor.name);
-        add(path.clone(), &POSE[..3], &poses[..3], &sensor.position.places());
-        choice.fixes.iter_mut().for_each(|fixes| fixes.push(path.clone()));
-    }
+    let mut add_position = |path: String, position: &Group<3>| {
+        add(path.clone(), &POSE[..3], &poses[..3], &position.places());
+        path
+    };
+    let courses = roles.courses.iter().map(|course| (format!("{}.target", course.name), course));
+    let courses = courses.map(|(path, course)| add_position(path, &course.position));
+    choice.courses = Some(courses.collect());
+    let fixes = roles.sensors.iter().filter(|sensor| sensor.position.has([0, 1]));
+    let fixes =
+        fixes.map(|sensor| add_position(format!("{}.position", sensor.name), &sensor.position));
+    choice.fixes = Some(fixes.collect());
     let new: HashSet<&str> = made.iter().map(|(name, ..)| name.as_str()).collect();
     let kept: Vec<usize> = (0..columns.len())
         .filter(|place| !new.contains(recording.names()[*place].as_str()))
@@ -99,9 +105,10 @@ mod tests {
         let file = folder.path().join("roles.toml");
         let text = "axes = 'enu'\n[truth]\npose = { x = 'e', y = 'n', z = 'h', yaw = 'psi' }\n\
             [estimates.nav]\npose = 'nav.pose'\nsigma = 'nav.sigma'\n\
+            [courses.leg]\nposition = { x = 'aim.e', y = 'aim.n' }\n\
             [sensors.fix]\nposition = 'gps.position'\n";
         std::fs::write(&file, text).unwrap();
-        let columns: [(&str, &str, f64); 11] = [
+        let columns: [(&str, &str, f64); 13] = [
             ("e", "m", 1.0),
             ("n", "m", 2.0),
             ("h", "m", -3.0),
@@ -112,6 +119,8 @@ mod tests {
             ("nav.sigma.y", "m", 0.2),
             ("gps.position.x", "m", 6.0),
             ("gps.position.y", "m", 7.0),
+            ("aim.e", "m", 9.0),
+            ("aim.n", "m", 10.0),
             ("other", "m", 8.0),
         ];
         let names = columns.iter().map(|(name, ..)| (*name).to_owned()).collect();
@@ -127,6 +136,8 @@ mod tests {
         assert_eq!(["nav.pose.x", "nav.pose.y"].map(value), [5.0, 4.0]);
         assert_eq!(["nav.sigma.x", "nav.sigma.y"].map(value), [0.2, 0.1]);
         assert_eq!(["fix.position.x", "fix.position.y", "other"].map(value), [7.0, 6.0, 8.0]);
+        assert_eq!(["leg.target.x", "leg.target.y"].map(value), [10.0, 9.0]);
+        assert_eq!(choice.courses, Some(vec!["leg.target".to_owned()]));
         assert_eq!(choice.truth.as_deref(), Some("truth.pose"));
         assert_eq!(choice.estimates[0].sigma.as_deref(), Some("nav.sigma"));
         assert_eq!(choice.fixes, Some(vec!["fix.position".to_owned()]));

@@ -125,7 +125,8 @@ pub(crate) fn run_terms() -> Vec<Term> {
             "Truth and estimates",
             "From the figures of a campaign, or given by --truth and --estimate or --roles. Otherwise, a \
              group called pose or position whose component has standard deviations (sigma.x, \
-             sigma.y) is an estimate, and the first pose without them is the truth.",
+             sigma.y) is an estimate, and the first pose without them is the truth. A group called \
+             target, reference or setpoint is the course.",
         ),
         (
             "Units",

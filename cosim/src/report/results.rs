@@ -244,8 +244,33 @@ mod tests {
         assert!(error.starts_with(",\"unit\":\"deg\""), "{}", &error[..300]);
         assert!(error[..300].contains("\"v\":[9.1127,9.1127]"), "{}", &error[..300]);
         assert!(error[..400].contains("[171.89,171.89]"), "{}", &error[..400]);
+        let heading = page.split("\"title\":\"yaw, clockwise from north\"").nth(1).unwrap();
+        assert!(heading.starts_with(",\"unit\":\"deg\""), "{}", &heading[..300]);
+        assert!(heading[..300].contains("\"v\":[171.89,171.89]"), "{}", &heading[..300]);
+        assert!(heading[..300].contains("\"v\":[-179,-179]"), "{}", &heading[..300]);
         // The map turns its arrows by radians.
         assert!(page.contains("\"yaw\":[-3.1241,-3.1241]"));
+    }
+
+    #[test]
+    fn the_course_is_on_the_map_beside_truth_and_estimate() {
+        let groups = ["guide.reference", "t.pose", "e.pose", "e.sigma", "fix.position"];
+        let axes = groups.iter().flat_map(|group| ["x", "y"].map(|axis| format!("{group}.{axis}")));
+        let names: Vec<String> = axes.collect();
+        let columns = (0..names.len()).map(|column| vec![column as f64, 50.0]).collect();
+        let recording = Recording::from_columns(names, vec![0.0, 1.0], columns);
+        let page = html(&recording, &Options::default()).unwrap();
+        let map = page.split("\"map\":").nth(1).unwrap().split("\"plots\":").next().unwrap();
+        for (name, role, x) in [
+            ("guide.reference", "course", 0),
+            ("t.pose", "truth", 2),
+            ("e.pose", "estimate", 4),
+            ("fix.position", "fix", 50),
+        ] {
+            let path = format!("{{\"name\":\"{name}\",\"role\":\"{role}\",\"x\":[{x}");
+            assert_eq!(map.matches(&path).count(), 1, "{path}: {map}");
+        }
+        assert_eq!(map.matches("\"role\"").count(), 4);
     }
 
     #[test]

@@ -10,6 +10,9 @@
 //! pose = { x = "obs.north", y = "obs.east", yaw = "obs.heading" }
 //! sigma = "obs.sigma"
 //!
+//! [courses.leg]
+//! position = "guidance.aim"
+//!
 //! [sensors.log]
 //! velocity = "dvl.velocity"
 //! ```
@@ -19,8 +22,8 @@
 use std::path::Path;
 
 use super::{
-    ATTITUDE, Axes, Body, Group, Measure, Names, PLACE, POSE, Place, RATE, Roles, SPEED, Sensor,
-    VELOCITY, covariances,
+    ATTITUDE, Axes, Body, Course, Group, Measure, Names, PLACE, POSE, Place, RATE, Roles, SPEED,
+    Sensor, VELOCITY, covariances,
 };
 use crate::error::{Code, Error, Result};
 use crate::names::did_you_mean;
@@ -32,10 +35,11 @@ pub struct Declaration {
     axes: Axes,
     truth: Option<Described>,
     estimates: Vec<Described>,
+    courses: Vec<Described>,
     sensors: Vec<Described>,
 }
 
-/// A body or a sensor, by its groups.
+/// A body, a course or a sensor, by its groups.
 #[derive(Debug, Clone, Default)]
 struct Described {
     name: String,
@@ -50,6 +54,7 @@ enum Spelled {
 }
 
 const BODY: [&str; 5] = ["pose", "velocity", "sigma", "velocity-sigma", "covariance"];
+const COURSE: [&str; 1] = ["position"];
 const SENSOR: [&str; 9] = [
     "specific-force",
     "rate",
@@ -72,7 +77,7 @@ impl Declaration {
         let document = Document::new(&text, file, Code::Roles);
         let parsed = document.parse()?;
         let root = document.root(&parsed);
-        root.allow(&["axes", "truth", "estimates", "sensors"]);
+        root.allow(&["axes", "truth", "estimates", "courses", "sensors"]);
         let axes = match root.text("axes") {
             None | Some("ned") => Axes::Ned,
             Some("enu") => Axes::Enu,
@@ -88,8 +93,9 @@ impl Declaration {
             tables.map(|(name, table)| described(name, &table, known)).collect()
         };
         let (estimates, sensors) = (all("estimates", &BODY), all("sensors", &SENSOR));
+        let courses = all("courses", &COURSE);
         document.finish()?;
-        Ok(Self { axes, truth, estimates, sensors })
+        Ok(Self { axes, truth, estimates, courses, sensors })
     }
 
     /// The positions of what it names.
@@ -102,6 +108,7 @@ impl Declaration {
             bodies: bodies
                 .map(|(body, is_truth)| found.body(body, is_truth))
                 .collect::<Result<_>>()?,
+            courses: self.courses.iter().map(|c| found.course(c)).collect::<Result<_>>()?,
             sensors: self.sensors.iter().map(|s| found.sensor(s)).collect::<Result<_>>()?,
         })
     }
@@ -154,6 +161,15 @@ impl Found<'_> {
             velocity_sigma: self.group(body, "velocity-sigma", VELOCITY)?,
             covariances,
         })
+    }
+
+    fn course(&self, course: &Described) -> Result<Course> {
+        let position = self.group(course, "position", PLACE)?;
+        if position.has([0, 1]) {
+            return Ok(Course { name: course.name.clone(), position });
+        }
+        let what = format!("the course '{}' has no position with x and y", course.name);
+        Err(Error::new(Code::Roles, what))
     }
 
     fn covariance(&self, axes: &str, name: &str) -> Result<(usize, usize, Place)> {

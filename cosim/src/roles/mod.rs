@@ -1,4 +1,5 @@
-//! The roles of recorded variables: the truth, its estimates, and measurements of sensors.
+//! The roles of recorded variables: the truth, its estimates, the course, and measurements of
+//! sensors.
 //!
 //! Used by reports, ROS messages, trajectories and the live page. A file declares them
 //! ([`Declaration`]); by default the names determine them, as in components of marine vehicles:
@@ -6,6 +7,7 @@
 //! | what | is a component with |
 //! |---|---|
 //! | the truth, an estimate | `pose.x`, `pose.y`, ...; an estimate has standard deviations, `sigma.x` ... |
+//! | the course | `target.x`, `.y`; also `reference` or `setpoint` |
 //! | an inertial unit | `specific_force.x`, `.y`, `.z` and `rate.p`, `.q`, `.r` |
 //! | an attitude reference | `attitude.roll`, `.pitch`, `.yaw` |
 //! | a velocity log | `velocity.u`, `.v`, `.w` |
@@ -51,6 +53,7 @@ pub(crate) enum Axes {
 pub(crate) struct Roles {
     pub(crate) axes: Axes,
     pub(crate) bodies: Vec<Body>,
+    pub(crate) courses: Vec<Course>,
     pub(crate) sensors: Vec<Sensor>,
 }
 
@@ -65,6 +68,13 @@ pub(crate) struct Body {
     pub(crate) velocity_sigma: Group<6>,
     /// Covariances of two axes of the pose, the lower axis first.
     pub(crate) covariances: Vec<(usize, usize, Place)>,
+}
+
+/// The point that a guidance system follows.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Course {
+    pub(crate) name: String,
+    pub(crate) position: Group<3>,
 }
 
 /// The measurement of a sensor.
@@ -118,6 +128,10 @@ impl Roles {
             }
         });
         let bodies: Vec<Body> = bodies.collect();
+        let courses = paths.courses.iter().map(|path| Course {
+            name: path.clone(),
+            position: Group::within(names, measures, path, PLACE),
+        });
         let owners = || bodies.iter().map(|body| body.name.as_str());
         let mut sensors: Vec<Sensor> = Vec::new();
         for component in components(names).into_iter().filter(|c| owners().all(|o| o != *c)) {
@@ -126,7 +140,7 @@ impl Roles {
                 sensors.push(sensor);
             }
         }
-        Ok(Self { axes: Axes::Ned, bodies, sensors })
+        Ok(Self { axes: Axes::Ned, bodies, courses: courses.collect(), sensors })
     }
 
     /// The body whose frame sensors are in: the truth, or the first estimate.

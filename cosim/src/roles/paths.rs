@@ -1,10 +1,11 @@
-//! Which recorded variables are the truth, its estimates and position fixes.
+//! Which recorded variables are the truth, its estimates, position fixes and the course.
 //!
 //! A path is a group with `x` and `y`, called `pose` or `position`. It has a standard deviation if
 //! its component has `sigma.x` and `sigma.y` (or `pose_sigma.x` ...); then it is an estimate. The
 //! first `pose` without one is the truth; any other `pose` is an estimate if none has a standard
-//! deviation. A `position` without one, of another component, is a fix from a sensor. Start values
-//! (`initial.pose`) are no path.
+//! deviation. A `position` without one, of another component, is a fix from a sensor. A group with `x`
+//! and `y` called `target`, `reference` or `setpoint` is the course: the point that a guidance system
+//! follows. Start values (`initial.pose`) are no path.
 
 use super::Names;
 use crate::names::did_you_mean;
@@ -19,6 +20,8 @@ pub struct Choice {
     pub estimates: Vec<Estimate>,
     /// Position fixes; `None`: those whose names say so.
     pub fixes: Option<Vec<String>>,
+    /// Courses; `None`: those whose names say so.
+    pub courses: Option<Vec<String>>,
 }
 
 /// An estimated path.
@@ -38,14 +41,17 @@ pub(crate) struct Paths {
     pub(crate) truth: Option<String>,
     pub(crate) estimates: Vec<Estimate>,
     pub(crate) fixes: Vec<String>,
+    pub(crate) courses: Vec<String>,
 }
 
-/// The maximum number of estimates shown.
+/// The maximum number of estimates shown, and of courses.
 const MOST: usize = 6;
+/// Names of groups that are a course.
+const COURSES: [&str; 3] = ["target", "reference", "setpoint"];
 
 impl Paths {
     pub(crate) fn find(names: &Names<'_>, choice: &Choice) -> Result<Self> {
-        let all = candidates(names);
+        let all = candidates(names, &["pose", "position"]);
         let known = |path: &String| {
             if names.has(&format!("{path}.x")) && names.has(&format!("{path}.y")) {
                 return Ok(());
@@ -92,19 +98,22 @@ impl Paths {
             owners.filter_map(|path| Some(format!("{}.", path.rsplit_once('.')?.0))).collect();
         fixes.retain(|fix| !owners.iter().any(|owner| fix.starts_with(owner)));
         let fixes = choice.fixes.clone().unwrap_or(fixes);
-        Ok(Self { truth, estimates, fixes })
+        let courses = choice.courses.clone().unwrap_or_else(|| {
+            let mut found = candidates(names, &COURSES);
+            found.retain(|path| truth.as_deref() != Some(path) && !chosen(path));
+            found.truncate(MOST);
+            found.into_iter().map(str::to_owned).collect()
+        });
+        Ok(Self { truth, estimates, fixes, courses })
     }
 }
 
-/// Groups that may be paths, in the order of the recording.
-fn candidates<'a>(names: &Names<'a>) -> Vec<&'a str> {
+/// Groups with `x` and `y` that have one of these names, in the order of the recording.
+fn candidates<'a>(names: &Names<'a>, called: &[&str]) -> Vec<&'a str> {
     let prefixes = names.ordered.iter().filter_map(|name| name.strip_suffix(".x"));
     let prefixes = prefixes.filter(|path| !path.split('.').any(|part| part == "initial"));
-    let called = |path: &&str| {
-        let last = path.rsplit('.').next().unwrap_or(path);
-        last == "pose" || last == "position"
-    };
-    prefixes.filter(called).filter(|path| names.has(&format!("{path}.y"))).collect()
+    let last = |path: &str| path.rsplit('.').next().is_some_and(|last| called.contains(&last));
+    prefixes.filter(|path| last(path) && names.has(&format!("{path}.y"))).collect()
 }
 
 /// A path with its standard deviations and covariances, if they are recorded.
@@ -130,18 +139,36 @@ fn with_companions(names: &Names<'_>, path: &str) -> Estimate {
 mod tests {
     use super::*;
 
-    #[test]
-    fn start_values_of_a_path_are_no_path() {
-        let groups =
-            ["vehicle.pose", "ekf.initial.pose", "ekf.initial.sigma", "ekf.pose", "ekf.sigma"];
+    /// The paths among groups with `x` and `y`.
+    fn found(groups: &[&str], choice: &Choice) -> Paths {
         let names: Vec<String> = groups
             .iter()
             .flat_map(|group| ["x", "y"].map(|axis| format!("{group}.{axis}")))
             .collect();
-        let names = Names::new(names.iter().map(String::as_str));
-        let paths = Paths::find(&names, &Choice::default()).unwrap();
+        Paths::find(&Names::new(names.iter().map(String::as_str)), choice).unwrap()
+    }
+
+    #[test]
+    fn start_values_of_a_path_are_no_path() {
+        let groups =
+            ["vehicle.pose", "ekf.initial.pose", "ekf.initial.sigma", "ekf.pose", "ekf.sigma"];
+        let paths = found(&groups, &Choice::default());
         assert_eq!(paths.truth.as_deref(), Some("vehicle.pose"));
         let estimates: Vec<&str> = paths.estimates.iter().map(|e| e.path.as_str()).collect();
         assert_eq!(estimates, ["ekf.pose"]);
+    }
+
+    #[test]
+    fn a_target_is_a_course_unless_it_is_chosen_as_the_truth() {
+        let groups = ["pursuit.target", "vehicle.pose", "setpoint", "nav.initial.reference"];
+        let paths = found(&groups, &Choice::default());
+        assert_eq!(paths.courses, ["pursuit.target", "setpoint"]);
+        assert_eq!((paths.truth.as_deref(), paths.estimates.len()), (Some("vehicle.pose"), 0));
+        let truth = Some("pursuit.target".to_owned());
+        let paths = found(&groups, &Choice { truth, ..Choice::default() });
+        assert_eq!(paths.courses, ["setpoint"]);
+        let courses = Some(Vec::new());
+        let paths = found(&groups, &Choice { courses, ..Choice::default() });
+        assert!(paths.courses.is_empty());
     }
 }

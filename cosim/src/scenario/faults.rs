@@ -6,7 +6,7 @@ use super::{Action, Event, Scenario};
 use crate::error::{Code, Result};
 use crate::fault::{Begin, End, Fault, KINDS, Kind, Meanwhile, Spread, Word};
 use crate::names;
-use crate::table::{Document, Table};
+use crate::table::{Document, Entry, Table};
 use crate::time::Time;
 
 /// Keys that every fault accepts.
@@ -79,17 +79,8 @@ fn begin(table: &Table<'_>) -> Option<Begin> {
         [] => Some(Begin::Start),
         ["from"] => table.time("from").map(Begin::At),
         ["between"] => {
-            let entry = table.get("between")?;
-            let numbers = entry.list().iter().map(|part| part.number()).collect::<Option<Vec<_>>>();
-            let [first, last] = numbers?[..] else {
-                entry.wrong("a list of two instants is expected");
-                return None;
-            };
-            if last < first {
-                entry.wrong(format!("{last} is before {first}"));
-                return None;
-            }
-            Some(Begin::Between(entry.seconds(first)?, entry.seconds(last)?))
+            let (first, last) = two(&table.get("between")?, "instants")?;
+            Some(Begin::Between(first, last))
         }
         ["when"] => match table.text("when")?.parse() {
             Ok(condition) => Some(Begin::When(condition)),
@@ -117,12 +108,34 @@ fn end(table: &Table<'_>) -> Option<End> {
             table.wrong("'for' needs a start; use 'until' to set an end");
             None
         }
+        (None, Some(entry)) if entry.is_list() => {
+            let (least, most) = two(&entry, "durations")?;
+            if least <= Time::ZERO {
+                entry.wrong(format!("{least} is not greater than 0"));
+                return None;
+            }
+            Some(End::AfterBetween(least, most))
+        }
         (None, Some(_)) => duration(table, "for").map(End::After),
         (Some(_), Some(_)) => {
             table.wrong("'until' and 'for' exclude each other");
             None
         }
     }
+}
+
+/// A list of two times that do not decrease.
+fn two(entry: &Entry<'_>, what: &str) -> Option<(Time, Time)> {
+    let numbers = entry.list().iter().map(|part| part.number()).collect::<Option<Vec<_>>>();
+    let [first, last] = numbers?[..] else {
+        entry.wrong(format!("a list of two {what} is expected"));
+        return None;
+    };
+    if last < first {
+        entry.wrong(format!("{last} is less than {first}"));
+        return None;
+    }
+    Some((entry.seconds(first)?, entry.seconds(last)?))
 }
 
 fn duration(table: &Table<'_>, key: &str) -> Option<Time> {
@@ -280,6 +293,15 @@ mod tests {
             assert!(found.iter().any(named), "{line} {part}: {found:#?}");
         }
         assert_eq!(found.len(), 9, "{found:#?}");
+        for (wrong, said) in [
+            ("for = [20]", "a list of two durations is expected"),
+            ("for = [20, 10]", "10 is less than 20"),
+            ("for = [0, 10]", "0 s is not greater than 0"),
+        ] {
+            let text = format!("[[fault]]\nkind = 'stuck'\non = 'a.x'\nfrom = 1\n{wrong}\n");
+            let error = read(&text).unwrap_err().to_string();
+            assert!(error.contains(said) && error.contains("s.toml:5"), "{error}");
+        }
         assert!(read("x = ").unwrap_err().to_string().contains("s.toml:1"));
     }
 }

@@ -40,7 +40,8 @@ pub(crate) fn suggested(name: &str) -> Option<&'static str> {
         "p" | "q" | "r" if rate => "rad/s2",
         "p" | "q" | "r" => "rad/s",
         "x" | "y" | "z" | "north" | "east" | "down" => {
-            let place = ["pose", "position", "sigma", "fix"].into_iter().any(within);
+            let place = ["pose", "position", "sigma", "fix", "target", "reference", "setpoint"];
+            let place = place.into_iter().any(within);
             let speed = within("velocity") || within("current");
             match (rate, speed, place) {
                 (true, ..) => "m/s2",

@@ -50,9 +50,11 @@ fn a_file_cut_at_any_byte_is_read_as_far_as_it_goes() {
         let read = read.unwrap_or_else(|error| panic!("{length}: {error}"));
         assert!(begins(&whole, &read), "{length}");
         assert!(read.time().len() >= longest, "{length}");
+        assert!(read.missing().is_some() || read.time() == whole.time(), "{length}");
         longest = read.time().len();
     }
     assert_eq!(longest, whole.time().len());
+    assert_eq!(Recording::read(&file).unwrap().missing(), None);
 }
 
 /// The samples are those of the file as written, or the damage is reported.

@@ -359,8 +359,10 @@ fn a_run_has_its_map_errors_and_innovations_with_units() {
     assert_eq!((&error["unit"], &error["lines"][0]["v"][7]), (&"m".into(), &0.25.into()));
     assert_eq!(error["band"]["v"][7], 1.5);
     // The shortest rotation from 3.1 to -3.1.
-    let yaw = plot("e.pose.yaw: error")["lines"][0]["v"][0].as_f64().unwrap();
-    assert!((yaw - (std::f64::consts::TAU - 6.2)).abs() < 1e-4, "{yaw}");
+    let turned = plot("e.pose.yaw: error");
+    let yaw = turned["lines"][0]["v"][0].as_f64().unwrap();
+    assert!((yaw - (std::f64::consts::TAU - 6.2).to_degrees()).abs() < 1e-3, "{yaw}");
+    assert_eq!(turned["unit"], "deg");
     let innovation = plot("e.innovation.fix.x");
     assert_eq!((&innovation["unit"], &innovation["band"]["v"][0]), (&"m".into(), &0.8.into()));
     let mark = innovation["marks"]["at"][0].as_u64().unwrap() as usize;
@@ -368,7 +370,7 @@ fn a_run_has_its_map_errors_and_innovations_with_units() {
     assert_eq!(plot("e.pose: NEES of x and y")["lines"][0]["v"][0], 0.25);
     let high = plot("e.nis.fix: NIS")["limits"]["high"].as_f64().unwrap();
     assert!((high - 5.023_886).abs() < 1e-5, "{high}");
-    // No axis has two units.
+    // No axis has two units; angles are shown in degrees.
     let rows = run["table"].as_array().unwrap();
     let unit = |name: &str| {
         let row = rows.iter().find(|row| row["name"] == name);
@@ -384,9 +386,11 @@ fn a_run_has_its_map_errors_and_innovations_with_units() {
             if section == "variables" { name.to_owned() } else { format!("{section}.{name}") };
         assert_eq!(Some(&plot["unit"]), unit(&name), "{name}");
     }
+    let degrees = serde_json::Value::from("deg");
     let of_variables = plots.iter().filter_map(|plot| {
         let title = plot["title"].as_str().unwrap();
-        Some((&plot["unit"], unit(title.strip_suffix(": error").unwrap_or(title))?, title))
+        let known = unit(title.strip_suffix(": error").unwrap_or(title))?;
+        Some((&plot["unit"], if known == "rad" { &degrees } else { known }, title))
     });
     let of_variables: Vec<_> = of_variables.collect();
     assert!(of_variables.len() >= 4, "{of_variables:?}");

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use super::outage::Outage;
 use super::sample::{Sample, Sampling};
 use crate::campaign::judgement::{self, Compared, Judgement, Verdict};
 use crate::campaign::statistics::Estimate;
@@ -23,6 +24,8 @@ pub(super) struct Cell<'a> {
     scenario: &'a str,
     /// Values of the factors and the list.
     levels: Vec<&'a str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    outage: Option<Outage>,
     runs: usize,
     failed: usize,
     figures: Vec<Figure>,
@@ -142,6 +145,7 @@ impl<'a> Source<'a> {
             column,
             scenario: &campaign.scenarios[own.scenario].0,
             levels: levels.chain(listed.map(String::as_str)).collect(),
+            outage: sampling.outages.of_cell(cell, rows),
             runs: rows.len(),
             failed: rows.iter().filter(|row| row.status != Status::Ok).count(),
             figures: figures.collect(),

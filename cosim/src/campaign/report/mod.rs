@@ -2,6 +2,7 @@
 //! runs in full. It stays below five megabytes whatever the number of runs.
 
 mod cells;
+mod outage;
 mod sample;
 mod shown;
 
@@ -11,6 +12,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use self::cells::{Cell, Main, Source, urgency};
+use self::outage::Outages;
 use self::sample::{Input, Sampling};
 use super::judgement::Judgement;
 use super::{Answer, Bench, Campaign, Contents, Folder, Row};
@@ -98,8 +100,10 @@ pub fn report(
     let source = source(&campaign, &contents.rows, &judgement, &units, options);
     let main = source.main.figure;
     let unit = |name: &str| units.unit(name).unwrap_or_default().to_owned();
+    let outages = bench.as_ref().map(Outages::of).unwrap_or_default();
     let mut sampling = Sampling {
-        inputs: Input::of_all(&campaign, &contents.rows, unit),
+        inputs: Input::of_all(&campaign, &contents.rows, &outages, unit),
+        outages,
         figures: campaign.summarized().len(),
         replicates: usize::MAX,
     };
@@ -292,7 +296,8 @@ fn method(campaign: &Campaign) -> Vec<Term> {
         (
             "Sensitivity",
             "Spearman's rank correlation of a figure with a dispersed parameter over the runs of a \
-             cell: 1 if it always grows with it, -1 if it always falls, 0 if neither.",
+             cell: 1 if it always grows with it, -1 if it always falls, 0 if neither. The outage \
+             length is the time of a run during which faults of the kind drop-out act.",
         ),
         (
             "Consistency",

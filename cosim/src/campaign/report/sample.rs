@@ -5,6 +5,7 @@ use std::collections::HashSet;
 use serde::Serialize;
 
 use super::Main;
+use super::outage::Outages;
 use crate::campaign::{Campaign, Row, Status};
 use crate::report::Numbers;
 
@@ -27,11 +28,19 @@ pub(super) struct Input {
     /// If it is not a number: its texts; the values are their positions.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     texts: Vec<String>,
+    /// It is the outage, which is not in the rows.
+    #[serde(skip)]
+    is_outage: bool,
 }
+
+/// The name of the outages among the inputs.
+const OUTAGE: &str = "outage length";
 
 /// How runs become points.
 pub(super) struct Sampling {
     pub(super) inputs: Vec<Input>,
+    /// The values of the last input, if they are one.
+    pub(super) outages: Outages,
     pub(super) figures: usize,
     /// Number of replicates of each cell.
     pub(super) replicates: usize,
@@ -43,10 +52,11 @@ const WORST: usize = 20;
 const TEXTS: usize = 50;
 
 impl Input {
-    /// The inputs of a campaign as in the rows.
+    /// The inputs of a campaign as in the rows, then the outages.
     pub(super) fn of_all(
         campaign: &Campaign,
         rows: &[Row],
+        outages: &Outages,
         unit: impl Fn(&str) -> String,
     ) -> Vec<Self> {
         let input = |(place, name): (usize, &str)| {
@@ -59,12 +69,22 @@ impl Input {
                     texts.push(text.to_string());
                 }
             }
-            Self { name: name.to_owned(), unit: unit(name), texts }
+            Self { name: name.to_owned(), unit: unit(name), texts, is_outage: false }
         };
-        campaign.inputs().enumerate().map(input).collect()
+        let outage = || Self {
+            name: OUTAGE.to_owned(),
+            unit: "s".to_owned(),
+            texts: Vec::new(),
+            is_outage: true,
+        };
+        let inputs = campaign.inputs().enumerate().map(input);
+        inputs.chain(outages.differ().then(outage)).collect()
     }
 
-    fn value(&self, place: usize, row: &Row) -> f64 {
+    fn value(&self, place: usize, row: &Row, outages: &Outages) -> f64 {
+        if self.is_outage {
+            return outages.length(row.run);
+        }
         let Some(text) = row.inputs.get(place) else { return f64::NAN };
         if self.texts.is_empty() {
             return text.parse().unwrap_or(f64::NAN);
@@ -100,7 +120,9 @@ impl Sampling {
         Sample {
             run: chosen.iter().map(|row| row.run).collect(),
             figures: (0..self.figures).map(|f| column(&|row| row.figure(f))).collect(),
-            inputs: inputs.map(|(place, input)| column(&|row| input.value(place, row))).collect(),
+            inputs: inputs
+                .map(|(place, input)| column(&|row| input.value(place, row, &self.outages)))
+                .collect(),
         }
     }
 
@@ -112,7 +134,9 @@ impl Sampling {
             .iter()
             .enumerate()
             .filter(|(_, input)| input.texts.is_empty())
-            .map(|(place, input)| good.iter().map(|row| input.value(place, row)).collect())
+            .map(|(place, input)| {
+                good.iter().map(|row| input.value(place, row, &self.outages)).collect()
+            })
             .collect();
         let numeric: Vec<bool> = self.inputs.iter().map(|input| input.texts.is_empty()).collect();
         let figure = |figure: usize| {

@@ -36,7 +36,8 @@ fn points_are_the_first_runs_the_worst_ones_and_those_shown_in_full() {
     let rows: Vec<&Row> = rows.iter().collect();
     let main = Main::of(&campaign);
     let shown = main.choose(&rows, 3, &[321]);
-    let sampling = Sampling { inputs: Vec::new(), figures: 1, replicates: 5 };
+    let sampling =
+        Sampling { inputs: Vec::new(), outages: Outages::default(), figures: 1, replicates: 5 };
     let sample = serde_json::to_value(sampling.sample(&campaign, &rows, &main, &shown)).unwrap();
     let points: Vec<u64> =
         sample["run"].as_array().unwrap().iter().map(|run| run.as_u64().unwrap()).collect();

@@ -18,7 +18,7 @@ pub(super) struct Columns<'a> {
 
 impl<'a> Columns<'a> {
     pub(super) fn of(recording: &'a Recording) -> Self {
-        let mut notes = Vec::new();
+        let mut notes: Vec<String> = recording.missing().into_iter().collect();
         let (mut names, mut values, mut texts) = (Vec::new(), HashMap::new(), 0);
         for (place, (name, column)) in recording.columns().enumerate() {
             if recording.is_text_at(place) {

@@ -54,9 +54,7 @@ impl Map {
         instants: usize,
     ) -> Option<Self> {
         let places = thin::even(columns.time.len(), instants);
-        let truth = paths.truth.iter().map(|path| (path.clone(), Role::Truth, None));
-        let estimates = paths.estimates.iter().map(|e| (e.path.clone(), Role::Estimate, Some(e)));
-        let made = truth.chain(estimates).filter_map(|(name, role, estimate)| {
+        let made = super::paths_of(paths).filter_map(|(name, role)| {
             let times = |leaf: &str, factor: &dyn Fn(&str) -> f64| {
                 let column = format!("{name}.{leaf}");
                 let (values, factor) = (columns.get(&column)?, factor(&column));
@@ -68,9 +66,13 @@ impl Map {
                 y: pick("y")?,
                 z: pick("z"),
                 yaw: times("yaw", &|column| units.radians(column)),
-                ellipses: estimate.and_then(|estimate| ellipses(columns, estimate, &places)),
+                ellipses: paths
+                    .estimates
+                    .iter()
+                    .find(|estimate| estimate.path == name)
+                    .and_then(|estimate| ellipses(columns, estimate, &places)),
                 role,
-                name: name.clone(),
+                name: name.to_owned(),
             })
         });
         let mut made: Vec<Path> = made.collect();

@@ -109,6 +109,7 @@ impl Trace {
         }
         let mut first = chosen(recording, &columns, shown)?;
         first.extend(depth(&columns, &paths, &shown.units));
+        first.push(navigation::headings(&columns, &paths, &shown.units));
         first.extend(navigation::errors(&columns, &paths, &shown.units));
         first.extend(navigation::consistency(&columns, &paths));
         first.extend(navigation::normalized(&columns, &paths));
@@ -189,11 +190,17 @@ fn chosen(recording: &Recording, columns: &Columns<'_>, shown: &Shown<'_>) -> Re
     Ok(plots)
 }
 
+/// The truth, then the estimates, then the courses.
+fn paths_of(paths: &Paths) -> impl Iterator<Item = (&str, Role)> {
+    let truth = paths.truth.iter().map(|path| (path.as_str(), Role::Truth));
+    let estimates = paths.estimates.iter().map(|estimate| (estimate.path.as_str(), Role::Estimate));
+    let courses = paths.courses.iter().map(|path| (path.as_str(), Role::Course));
+    truth.chain(estimates).chain(courses)
+}
+
 /// Depths, if any of them changes.
 fn depth(columns: &Columns<'_>, paths: &Paths, units: &Units) -> Option<Whole> {
-    let truth = paths.truth.iter().map(|path| (path, Role::Truth));
-    let estimates = paths.estimates.iter().map(|estimate| (&estimate.path, Role::Estimate));
-    let lines = truth.chain(estimates).filter_map(|(path, role)| {
+    let lines = paths_of(paths).filter_map(|(path, role)| {
         let name = format!("{path}.z");
         Some((name.clone(), role, columns.get(&name)?))
     });
@@ -205,7 +212,7 @@ fn depth(columns: &Columns<'_>, paths: &Paths, units: &Units) -> Option<Whole> {
     };
     let unit = units.unit(&lines.first()?.0).unwrap_or_default().to_owned();
     lines.iter().any(|(_, _, values)| varies(values)).then(|| Whole {
-        section: "Depth".into(),
+        section: "Depth and heading".into(),
         title: "z, down".into(),
         unit,
         lines,

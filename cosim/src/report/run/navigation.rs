@@ -1,7 +1,5 @@
 //! Plots of the quality of estimates: errors, innovations, consistency.
 
-use std::f64::consts::PI;
-
 use super::columns::Columns;
 use super::plots::{Limits, Role, Whole};
 use crate::report::statistics::chi_square_quantile;
@@ -20,7 +18,30 @@ fn times(values: Vec<f64>, factor: f64) -> Vec<f64> {
     values.into_iter().map(|value| value * factor).collect()
 }
 
-/// Estimates minus the truth, with three standard deviations.
+/// An angle in degrees from -180 to 180.
+fn half_turn(degrees: f64) -> f64 {
+    (degrees + 180.0).rem_euclid(360.0) - 180.0
+}
+
+/// Headings of the truth and the estimates in degrees.
+pub(super) fn headings(columns: &Columns<'_>, paths: &Paths, units: &Units) -> Whole {
+    let lines = super::paths_of(paths).filter_map(|(path, role)| {
+        let name = format!("{path}.yaw");
+        let degrees = units.radians(&name).to_degrees();
+        let values = columns.get(&name)?.into_iter().map(|value| half_turn(value * degrees));
+        Some((name, role, values.collect()))
+    });
+    Whole {
+        section: "Depth and heading".into(),
+        title: "yaw, clockwise from north".into(),
+        unit: "deg".into(),
+        lines: lines.collect(),
+        wraps: true,
+        ..Whole::default()
+    }
+}
+
+/// Estimates minus the truth, with three standard deviations; angles in degrees.
 pub(super) fn errors(columns: &Columns<'_>, paths: &Paths, units: &Units) -> Vec<Whole> {
     let Some(truth) = &paths.truth else { return Vec::new() };
     let mut plots = Vec::new();
@@ -46,20 +67,20 @@ pub(super) fn errors(columns: &Columns<'_>, paths: &Paths, units: &Units) -> Vec
             let (Some(value), Some(real)) = (columns.get(&name), columns.get(&real_name)) else {
                 continue;
             };
-            // Angles may be in degrees, each in its own unit.
-            let in_units_of_value = |other: &str| units.radians(other) / units.radians(&name);
-            let (half, factor) = (PI / units.radians(&name), in_units_of_value(&real_name));
+            // Each angle may be in its own unit.
+            let scale = |of: &str| if turns { units.radians(of).to_degrees() } else { 1.0 };
+            let (of_value, of_real) = (scale(&name), scale(&real_name));
             let error = value.iter().zip(&real).map(|(value, real)| {
-                let error = value - real * factor;
-                if turns { (error + half).rem_euclid(2.0 * half) - half } else { error }
+                let error = value * of_value - real * of_real;
+                if turns { half_turn(error) } else { error }
             });
-            let band = sigma.and_then(|sigma| {
-                Some(times(columns.get(&sigma)?, 3.0 * in_units_of_value(&sigma)))
-            });
+            let band =
+                sigma.and_then(|sigma| Some(times(columns.get(&sigma)?, 3.0 * scale(&sigma))));
+            let unit = if turns { "deg" } else { units.unit(&name).unwrap_or_default() };
             plots.push(Whole {
                 section: "Errors".into(),
                 title: format!("{name}: error"),
-                unit: units.unit(&name).unwrap_or_default().into(),
+                unit: unit.into(),
                 lines: vec![("error".into(), Role::Estimate, error.collect())],
                 band: band.map(|band| ("± 3 σ".into(), band)),
                 ..Whole::default()

@@ -29,6 +29,8 @@ pub(crate) struct Plot {
     steps: bool,
     /// The axis points down.
     down: bool,
+    /// The values are angles in degrees that continue at -180 after 180.
+    wraps: bool,
 }
 
 #[derive(Debug, Clone, Serialize)]
@@ -57,6 +59,7 @@ struct Marks {
 pub(crate) enum Role {
     Truth,
     Estimate,
+    Course,
     Fix,
     Signal,
 }
@@ -73,6 +76,7 @@ pub(super) struct Whole {
     pub(super) marks: Option<(String, Vec<usize>)>,
     pub(super) steps: bool,
     pub(super) down: bool,
+    pub(super) wraps: bool,
 }
 
 /// Marks of one plot.
@@ -125,6 +129,7 @@ impl Whole {
             unit: self.unit,
             steps: self.steps,
             down: self.down,
+            wraps: self.wraps,
         }
     }
 }

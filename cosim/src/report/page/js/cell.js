@@ -74,21 +74,36 @@ function sensitivity(campaign, cell, figure) {
       varied.length > 1 && choice("Parameter ", varied.map(({ input }) => input.name), 0, show)), place);
 }
 
+/** A figure of these cells over `level`, a number of each; a line for each column of the matrix. */
+function along(campaign, figure, factor, alike, level) {
+  const { name, unit } = campaign.figures[figure];
+  const lines = [...new Set(alike.map((other) => other.column))].map((column) => {
+    const own = alike.filter((other) => other.column === column).sort((a, b) => level(a) - level(b));
+    return { name: column, xs: own.map(level), ys: own.map((other) => other.figures[figure].median.value), high: own.map((other) => other.figures[figure].percentile_95.value) };
+  });
+  const input = campaign.inputs.find((known) => known.name === factor);
+  return scatter({ title: `${name} along ${factor}`, x: labelled(factor, input?.unit), y: labelled(name, unit), lines, note: "Points: medians; dashed: 95th percentiles." });
+}
+
 /** A figure over the levels of a factor, for cells that otherwise have the same factors. */
 function alongFactors(campaign, cell, figure) {
-  const { name, unit } = campaign.figures[figure];
   const plots = campaign.levels.map((factor, place) => {
     const alike = campaign.cells.filter((other) => other.levels.every((level, i) => i === place || level === cell.levels[i]) && other.scenario === cell.scenario);
     const numeric = alike.every((other) => Number.isFinite(Number(other.levels[place])));
     if (!numeric || new Set(alike.map((other) => other.levels[place])).size < 2) return null;
-    const lines = [...new Set(alike.map((other) => other.column))].map((column) => {
-      const own = alike.filter((other) => other.column === column).sort((a, b) => a.levels[place] - b.levels[place]);
-      return { name: column, xs: own.map((other) => Number(other.levels[place])), ys: own.map((other) => other.figures[figure].median.value), high: own.map((other) => other.figures[figure].percentile_95.value) };
-    });
-    const input = campaign.inputs.find((known) => known.name === factor);
-    return scatter({ title: `${name} along ${factor}`, x: labelled(factor, input?.unit), y: labelled(name, unit), lines, note: "Points: medians; dashed: 95th percentiles." });
-  }).filter(Boolean);
-  return plots.length ? el("div", { class: "plots" }, plots) : null;
+    return along(campaign, figure, factor, alike, (other) => Number(other.levels[place]));
+  });
+  const known = [...plots, alongOutages(campaign, cell, figure)].filter(Boolean);
+  return known.length ? el("div", { class: "plots" }, known) : null;
+}
+
+/** A figure over the length of the outage, for scenarios that differ only in when their faults act, and for those without faults. */
+function alongOutages(campaign, cell, figure) {
+  if (!cell.outage?.words) return null;
+  const alike = campaign.cells.filter((other) => other.outage && ["", cell.outage.words].includes(other.outage.words) && other.levels.every((level, i) => level === cell.levels[i]));
+  const lengths = new Set(alike.map((other) => other.outage.length).filter((length) => length > 0));
+  // The last input is the length of the outage.
+  return lengths.size < 2 ? null : along(campaign, figure, campaign.inputs.at(-1).name, alike, (other) => other.outage.length);
 }
 
 function consistency(campaign, cell) {

@@ -105,11 +105,12 @@ export function shares(title, label, groups) {
   return caption(title, plane, groupLegend(groups.map((group) => group.name)));
 }
 
-function groupLegend(names) {
+/** Names of groups; by default every second one is dashed, as the shares are. */
+function groupLegend(names, dashed = true) {
   return el("ul", { class: "legend" }, names.map((name, place) => {
     const sample = el("i");
     sample.style.borderColor = `var(--${COLOURS[place % COLOURS.length]})`;
-    if (place % 2) sample.style.borderTopStyle = "dashed";
+    if (dashed && place % 2) sample.style.borderTopStyle = "dashed";
     return el("li", {}, sample, name);
   }));
 }
@@ -162,7 +163,7 @@ export function scatter({ title, x, y, xs = [], ys = [], equalLine = false, line
     x: { label: x, range: rangeX }, y: { label: y, range: rangeY }, paint,
     clicked: (distance) => nearest(distance, points), spoken: `${title}: ${xs.length} points. ${note ?? ""}`,
   });
-  return caption(title, plane, [lines.length > 0 && groupLegend(lines.map((line) => line.name)), note && el("p", { class: "small soft" }, note)].filter(Boolean));
+  return caption(title, plane, [lines.length > 0 && groupLegend(lines.map((line) => line.name), false), note && el("p", { class: "small soft" }, note)].filter(Boolean));
 }
 
 /** An axis label with its unit. */

@@ -13,8 +13,16 @@ const HOLDS_95 = Math.sqrt(5.991464547107979);
 
 /** The colour of an estimate depends on its index. */
 function pathColour(paths, path) {
-  if (path.role === "truth") return colour("truth");
+  if (path.role === "truth" || path.role === "course") return colour(path.role);
   return path.role === "fix" ? colour("c3") : groupColour(number(paths, path));
+}
+
+/** The width of a path and its dashes, for canvas pixels of this size; a course is dotted. */
+function penOf(ctx, ratio, paths, path) {
+  ctx.lineWidth = (path.role === "estimate" ? 1.8 : 2.5) * ratio;
+  ctx.lineCap = path.role === "course" ? "round" : "butt";
+  const dashes = { truth: [], course: [0, 6] }[path.role] ?? [[9, 3], [3, 3], [12, 3, 3, 3]][number(paths, path) % 3];
+  ctx.setLineDash(dashes.map((d) => d * ratio));
 }
 
 function number(paths, path) {
@@ -55,8 +63,7 @@ function drawPath(ctx, at, ratio, paths, path, now, t) {
     ctx.globalAlpha = 1;
     return;
   }
-  ctx.lineWidth = (path.role === "truth" ? 2.5 : 1.8) * ratio;
-  ctx.setLineDash(path.role === "truth" ? [] : [[9, 3], [3, 3], [12, 3, 3, 3]][number(paths, path) % 3].map((d) => d * ratio));
+  penOf(ctx, ratio, paths, path);
   ctx.beginPath();
   let pen = false;
   path.x.forEach((x, i) => {
@@ -110,16 +117,18 @@ function mapOf(map, clock) {
   const [xs, ys] = [map.paths.map((path) => path.x), map.paths.map((path) => path.y)];
   const [north, east] = [extent(xs), extent(ys)];
   if (!north || !east) return el("p", { class: "soft" }, "The paths have no finite position: there is no map.");
-  const moving = map.paths.filter((path) => path.role !== "fix");
+  // The course is where the vehicle is to be, at another time.
+  const passed = map.paths.filter((path) => path.role === "truth" || path.role === "estimate");
   const plane = new Plane({
     x: { label: "east (m)", range: east }, y: { label: "north (m)", range: north }, equal: true,
     paint: (ctx, at, ratio) => {
-      const order = [...map.paths].sort((a, b) => (b.role === "fix") - (a.role === "fix"));
+      const depth = ({ role }) => ["fix", "course"].indexOf(role) + 1 || 3;
+      const order = [...map.paths].sort((a, b) => depth(a) - depth(b));
       for (const path of order.filter((path) => !path.hidden)) drawPath(ctx, at, ratio, map.paths, path, clock.now, map.t);
     },
     pointed: (x, y, near) => {
       let [least, time] = [near, null];
-      for (const path of moving) {
+      for (const path of passed) {
         path.x.forEach((value, i) => {
           if (value == null || path.y[i] == null) return;
           const apart = Math.hypot(value - y, path.y[i] - x);
@@ -144,11 +153,11 @@ function mapOf(map, clock) {
     const paint = () => {
       sample.style.borderColor = pathColour(map.paths, path);
       if (path.role === "fix") sample.style.background = pathColour(map.paths, path);
-      else if (path.role !== "truth") sample.style.borderTopStyle = "dashed";
+      else sample.style.borderTopStyle = { truth: "solid", course: "dotted" }[path.role] ?? "dashed";
     };
     paint();
     onTheme(sample, paint);
-    return el("li", {}, el("label", {}, box, sample, `${path.name}${path.ellipses ? ", 95 % ellipses" : ""}`));
+    return el("li", {}, el("label", {}, box, sample, `${path.name}${path.role === "course" ? ", course" : path.ellipses ? ", 95 % ellipses" : ""}`));
   });
   return el("figure", { class: "plot", id: "map" }, el("figcaption", {}, "Map: north up"), plane.canvas,
     el("ul", { class: "legend" }, samples), plane.buttons("map"));
@@ -204,7 +213,7 @@ function sections({ plots, map, faults }, clock) {
   const names = [...new Set(plots.map((plot) => plot.section))];
   return names.map((name) => {
     const own = plots.filter((plot) => plot.section === name);
-    const space = name === "Depth" && map && spaceOf(map, clock, (path) => pathColour(map.paths, path));
+    const space = name === "Depth and heading" && map && spaceOf(map, clock, (path) => pathColour(map.paths, path), (ctx, ratio, path) => penOf(ctx, ratio, map.paths, path));
     if (own.length <= AT_ONCE) {
       const shown = grid(own);
       if (space) shown[0].append(space);

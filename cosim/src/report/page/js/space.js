@@ -10,8 +10,8 @@ const ABOVE = 0.45;
 /** A smaller change of depth (m) is shown only in the plot of depths. */
 const DIVE = 1;
 
-/** A figure with the paths { name, x, y, z, ... }, or null where depth hardly changes; `tint(path)` is a colour. */
-export function spaceOf(map, clock, tint) {
+/** A figure with the paths { name, x, y, z, ... }, or null where depth hardly changes; `tint(path)` is a colour, `pen(ctx, ratio, path)` sets a line. */
+export function spaceOf(map, clock, tint, pen) {
   const paths = map.paths.filter((path) => path.z && path.role !== "fix");
   const truth = paths.filter((path) => path.role === "truth");
   const deep = extent((truth.length ? truth : paths).map((path) => path.z), 0);
@@ -49,8 +49,9 @@ export function spaceOf(map, clock, tint) {
     write("east", middle[0], east[1], deep[1]);
     for (const path of paths) {
       ctx.strokeStyle = ctx.fillStyle = tint(path);
-      ctx.lineWidth = (path.role === "truth" ? 2.5 : 1.5) * ratio;
+      pen(ctx, ratio, path);
       go(path.x.map((x, i) => [x, path.y[i], path.z[i]]));
+      ctx.setLineDash([]);
       const [x, y, z] = [path.x, path.y, path.z].map((values) => valueAt(map.t, values, clock.now));
       if (x == null || y == null || z == null) continue;
       // A vertical line to the bottom shows the position.

@@ -38,16 +38,37 @@ function shadeFaults(u, faults, stop) {
 
 function lineStyle(line, place, count) {
   if (line.role === "truth") return { stroke: colour("truth"), width: 2 };
+  if (line.role === "course") return { stroke: colour("course"), width: 2, dash: [0, 5], cap: "round" };
   if (line.role === "edge") return { stroke: colour("estimate"), width: 0.75 };
   if (line.role === "estimate" && count === 1) return { stroke: colour("estimate"), width: 1.5 };
   const own = SIGNALS[place % SIGNALS.length];
   return { stroke: colour(own), width: 1.5, dash: DASHES[Math.floor(place / 2) % DASHES.length] };
 }
 
+/** The line of an angle in degrees: it ends at 180 and goes on at -180, or the other way. */
+function turning(u, place, first, last) {
+  const [t, v] = [u.data[0], u.data[place]];
+  const at = (time, angle) => [u.valToPos(time, "x", true), u.valToPos(angle, "y", true)];
+  const stroke = new Path2D();
+  for (let i = first; i <= last; i += 1) {
+    if (v[i] == null) continue;
+    const step = i === first || v[i - 1] == null ? null : v[i] - v[i - 1];
+    if (step == null) stroke.moveTo(...at(t[i], v[i]));
+    else if (Math.abs(step) > 180) {
+      const edge = -180 * Math.sign(step);
+      const time = t[i - 1] + ((edge - v[i - 1]) / (step + 2 * edge)) * (t[i] - t[i - 1]);
+      stroke.lineTo(...at(time, edge));
+      stroke.moveTo(...at(time, -edge));
+    }
+    stroke.lineTo(...at(t[i], v[i]));
+  }
+  return { stroke, fill: null, clip: null, band: null, gaps: null, flags: 1 };
+}
+
 /** Data and series of a plot: lines, between which `fills` are shaded, then the edges of the band, then its limits. */
 function contents(plot) {
   const value = (_, v) => (v == null ? "–" : withUnit(num(v), plot.unit));
-  const paths = plot.steps ? { paths: uPlot.paths.stepped({ align: 1 }) } : {};
+  const paths = plot.steps ? { paths: uPlot.paths.stepped({ align: 1 }) } : plot.wraps ? { paths: turning } : {};
   const quiet = { points: { show: false }, value, ...paths };
   const data = [plot.t, ...plot.lines.map((line) => line.v)];
   const series = [{ label: "time", value: (_, v) => (v == null ? "–" : `${num(v, 7)} s`) }];
@@ -77,6 +98,7 @@ function contents(plot) {
 
 /** The range of values: of the lines, and of the band unless that would make the lines unreadable. */
 function valueRange(plot, low, high) {
+  if (plot.wraps && high - low > 180) return [-185, 185];
   if (!plot.band) return uPlot.rangeNum(low ?? 0, high ?? 1, 0.1, true);
   const most = (lists) => Math.max(0, ...lists.map((list) => list.reduce((a, v) => (v == null ? a : Math.max(a, Math.abs(v))), 0)));
   const size = most(plot.lines.map((line) => line.v));
@@ -137,7 +159,7 @@ export function timePlot(plot, clock, faults) {
         x: { time: false, range: (_, low, high) => [low, high], min: clock.from, max: clock.until },
         y: { dir: plot.down ? -1 : 1, range: (_, low, high) => valueRange(plot, low, high) },
       },
-      axes: [axis("time (s)", { size: 24 }), axis(`${first} (${unit})`.trim(), { size: 62 })],
+      axes: [axis("time (s)", { size: 24 }), axis(`${first} (${unit})`.trim(), { size: 62, ...(plot.wraps ? { incrs: [0.1, 0.2, 0.5, 1, 2, 5, 10, 15, 30, 45, 90] } : {}) })],
       cursor: { y: false, drag: { x: true, y: false }, points: { size: 7 } },
       legend: { live: true },
       hooks: {

@@ -1,4 +1,4 @@
-// The positions of the truth and the estimates, north up.
+// The course, and the positions of the truth and the estimates, north up.
 import { el } from "../dom.js";
 import { num } from "../format.js";
 import { extent, Plane } from "../plane.js";
@@ -18,15 +18,22 @@ function track(body, up) {
 }
 
 function colourOf(tracks, own) {
-  if (own.body.truth) return colour("truth");
-  return colour(ESTIMATE_COLOURS[tracks.filter((other) => !other.body.truth).indexOf(own) % ESTIMATE_COLOURS.length]);
+  return colour(colourName(tracks, own));
+}
+
+function colourName(tracks, own) {
+  if (own.body.truth) return "truth";
+  if (own.body.course) return "course";
+  return ESTIMATE_COLOURS[tracks.filter(({ body }) => !body.truth && !body.course).indexOf(own) % ESTIMATE_COLOURS.length];
 }
 
 function drawTrack(ctx, at, ratio, tracks, own) {
   const [north, east] = [own.north.list, own.east.list];
   ctx.strokeStyle = ctx.fillStyle = colourOf(tracks, own);
-  ctx.lineWidth = (own.body.truth ? 2.5 : 1.8) * ratio;
-  ctx.setLineDash(own.body.truth ? [] : [9 * ratio, 3 * ratio]);
+  const { truth, course } = own.body;
+  ctx.lineWidth = (truth || course ? 2.5 : 1.8) * ratio;
+  ctx.lineCap = course ? "round" : "butt";
+  ctx.setLineDash((truth ? [] : course ? [0, 6] : [9, 3]).map((d) => d * ratio));
   ctx.beginPath();
   let pen = false;
   north.forEach((value, i) => {
@@ -71,7 +78,9 @@ function drawTrack(ctx, at, ratio, tracks, own) {
 
 /** A map that grows with the run: `figure`, the lists that the store fills, and `refresh`. */
 export function liveMap(hello) {
-  const tracks = hello.bodies.filter((body) => body.pose[0] && body.pose[1]).map((body) => track(body, hello.up));
+  // Courses are drawn first, below the others.
+  const courses = hello.courses.map(({ name, position }) => ({ name, course: true, pose: position, sigma: [] }));
+  const tracks = [...courses, ...hello.bodies].filter((body) => body.pose[0] && body.pose[1]).map((body) => track(body, hello.up));
   if (tracks.length === 0) return { figure: null, derived: [], refresh() {} };
   const range = (lists) => extent(lists, 0.1) ?? [-1, 1];
   const plane = new Plane({
@@ -82,8 +91,10 @@ export function liveMap(hello) {
   const where = el("p", { class: "small soft", id: "where" });
   const legend = el("ul", { class: "legend" }, tracks.map((own) => {
     const mark = el("i");
-    mark.style.borderColor = `var(--${own.body.truth ? "truth" : ESTIMATE_COLOURS[tracks.filter((other) => !other.body.truth).indexOf(own) % ESTIMATE_COLOURS.length]})`;
-    return el("li", {}, mark, `${own.body.name}${own.body.truth ? " (truth)" : ""}`);
+    const { name, truth, course } = own.body;
+    mark.style.borderColor = `var(--${colourName(tracks, own)})`;
+    mark.style.borderTopStyle = truth ? "solid" : course ? "dotted" : "dashed";
+    return el("li", {}, mark, `${name}${truth ? " (truth)" : course ? " (course)" : ""}`);
   }));
   let fitted = null;
   const refresh = () => {

@@ -3,9 +3,13 @@
 /** Maximum number of instants; beyond that, every second one of the older half is dropped. */
 const MOST_KEPT = 2400;
 
-/** An angle between minus and plus half a turn. */
+/** An angle (rad) in degrees, between minus and plus half a turn. */
 function halfTurn(angle) {
-  return angle - 2 * Math.PI * Math.round(angle / (2 * Math.PI));
+  return degrees(angle - 2 * Math.PI * Math.round(angle / (2 * Math.PI)));
+}
+
+function degrees(angle) {
+  return (angle / Math.PI) * 180;
 }
 
 const finite = (value) => (Number.isFinite(value) ? value : null);
@@ -92,18 +96,19 @@ export function errorPlots(hello, body, store) {
     } };
     const band = sigma && { list: [], of: (value) => {
       const deviation = value(sigma);
-      return deviation == null ? null : 3 * deviation;
+      if (deviation == null) return null;
+      return 3 * (i < 3 ? deviation : degrees(deviation));
     } };
     return [{
-      title: `${body.name}, ${axis}: error`, unit: i < 3 ? "m" : "rad", t: store.t, grows: true,
+      title: `${body.name}, ${axis}: error`, unit: i < 3 ? "m" : "deg", t: store.t, grows: true,
       lines: [{ name: "error", role: "estimate", v: error.list }],
       band: band && { name: "± 3 σ", v: band.list }, derived: band ? [error, band] : [error],
     }];
   });
 }
 
-/** All columns used by bodies. */
+/** All columns used by bodies and courses. */
 export function bodyColumns(hello) {
-  const places = hello.bodies.flatMap((body) => [...body.pose, ...body.sigma, body.xy]);
+  const places = [...hello.bodies.flatMap((body) => [...body.pose, ...body.sigma, body.xy]), ...hello.courses.flatMap((course) => course.position)];
   return places.filter(Boolean).map(([column]) => column);
 }

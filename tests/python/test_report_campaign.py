@@ -1,11 +1,9 @@
-"""Reports as users use them: Chromium opens them from disk, clicks, and reads.
+"""Reports of campaigns as users use them: Chromium opens them from disk, clicks, and reads.
 
 A browser is needed (Debian: `apt-get install chromium`); without one these tests are skipped.
 """
 
-import csv
 import json
-import math
 import re
 import shutil
 import subprocess
@@ -14,95 +12,12 @@ import time
 import pandas
 import pytest
 from axe_playwright_python.sync_playwright import Axe
-from browser import browser, draw_all, needs_chromium, problems
-from conftest import COSIM, FMUS, ROOT
+from browser import browser, draw_all, needs_chromium
+from conftest import FMUS, ROOT
 from playwright.sync_api import expect
+from reports import CAMPAIGN, HEAD_OF_RUN, LOST, cosim, data, folder, open_cell, open_run, page, report
 
 pytestmark = needs_chromium
-
-CAMPAIGN = """
-description = "Is the dynamic filter good enough, and is <script>alert('it')</script> text?"
-seed = 7
-seeds = {seeds}
-stop-time = 30
-output-interval = 0.5
-
-[systems]
-paper = "{root}/examples/paper.ssd"
-
-[replacements.dynamic]
-
-[replacements.kinematic]
-ekf = "{fmus}/EkfKinematic.fmu"
-
-[scenarios]
-nominal = ""
-"fix <b>lost</b>" = "lost.toml"
-
-[dispersions]
-"vehicle.current.east" = {{ kind = "uniform", min = -0.1, max = 0.1 }}
-
-[figures]
-ate = {{ kind = "ate", truth = "vehicle.pose", estimate = "ekf.pose" }}
-nees = {{ kind = "nees", truth = "vehicle.pose", estimate = "ekf.pose", sigma = "ekf.sigma", covariance = "ekf.covariance", axes = ["x", "y"], every = 5 }}
-north = {{ kind = "error", of = "ekf.pose.x", minus = "vehicle.pose.x", sigma = "ekf.sigma.x", every = 5 }}
-
-[[verdict]]
-figure = "ate"
-at-most = 20
-
-[[verdict]]
-figure = "ate"
-at-most = 0.001
-cells = "*kinematic*"
-"""
-LOST = """
-[[fault]]
-kind = "drop-out"
-on = ["gps.position.x", "gps.position.y", "gps.stamp"]
-from = 10
-for = 10
-"""
-HEAD_OF_RUN = re.compile(r"Run \d+ of paper/")
-
-
-def cosim(folder, *arguments, code=0):
-    done = subprocess.run([COSIM, *arguments], cwd=folder, capture_output=True, text=True)
-    assert code is None or done.returncode == code, done.stderr
-    return done
-
-
-def data(file):
-    text = file.read_text()
-    return json.loads(text.split('id="data">')[1].split("</script>")[0])
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    """A folder with a small finished campaign, and its report."""
-    folder = tmp_path_factory.mktemp("report")
-    (folder / "c.toml").write_text(CAMPAIGN.format(seeds=8, root=ROOT, fmus=FMUS))
-    (folder / "lost.toml").write_text(LOST)
-    cosim(folder, "campaign", "c.toml", "-q", code=1)
-    cosim(folder, "report", "c_campaign")
-    return folder
-
-
-@pytest.fixture(scope="module")
-def report(folder):
-    return folder / "c_campaign" / "report.html"
-
-
-@pytest.fixture
-def page(browser):
-    """A page on which every error, and every request except that of the report itself, fails the test."""
-    context = browser.new_context(viewport={"width": 1280, "height": 900})
-    page = context.new_page()
-    wrong = problems(page)
-    page.on("request", lambda request: wrong.append(request.url) if not request.url.startswith("file:") else None)
-    yield page
-    assert not wrong
-    context.close()
 
 
 def test_from_the_matrix_to_a_run_and_back(page, report):
@@ -157,63 +72,6 @@ def test_errors_of_all_runs_beside_the_claimed_ones(page, folder, report):
     assert shown[:7] == pytest.approx(wanted, rel=1e-3)
 
 
-def shown_run(report):
-    reported = data(report)
-    cell = reported["campaign"]["cells"][0]
-    run = cell["shown"][0]["run"]
-    return reported["runs"][str(run)], run, cell["name"]
-
-
-def open_run(page, report):
-    trace, run, name = shown_run(report)
-    page.goto(report.as_uri())
-    page.evaluate("([name, run]) => location.hash = `#${encodeURIComponent(name)}/${run}`", [name, run])
-    expect(page.locator("h1")).to_have_text(HEAD_OF_RUN)
-    return trace
-
-
-def test_one_cursor_for_all_plots_and_the_map(page, report):
-    trace = open_run(page, report)
-    draw_all(page)
-    plot = next(plot for plot in trace["plots"] if plot["title"] == "ekf.pose.x: error")
-    figure = page.locator("figure.plot").filter(has_text="ekf.pose.x: error")
-    figure.scroll_into_view_if_needed()
-    box = figure.locator(".u-over").bounding_box()
-    page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
-    legend = figure.locator(".u-legend .u-value")
-    time = float(legend.nth(0).inner_text().removesuffix(" s"))
-    assert time == pytest.approx(15, abs=0.6)
-    place = min(range(len(plot["t"])), key=lambda i: abs(plot["t"][i] - time))
-    shown = float(legend.nth(1).inner_text().removesuffix(" m").replace("−", "-"))
-    assert shown == pytest.approx(plot["lines"][0]["v"][place], rel=1e-3)
-    # The other plots and the map are at the same instant.
-    other = page.locator("figure.plot").filter(has_text="ekf.pose.y: error").locator(".u-legend .u-value").nth(0)
-    assert float(other.inner_text().removesuffix(" s")) == pytest.approx(time, abs=0.6)
-    assert float(page.locator("output").inner_text()[4:-2]) == pytest.approx(time, abs=0.6)
-    # The slider moves the vehicle.
-    arrow = page.locator("#map .vehicle").first
-    before = arrow.get_attribute("style")
-    page.locator("#time").focus()
-    page.keyboard.press("End")
-    assert arrow.get_attribute("style") != before
-    north = float(page.locator("#instant tbody tr").nth(0).locator("td").nth(0).inner_text().replace("−", "-"))
-    assert north == pytest.approx(trace["map"]["paths"][0]["x"][-1], rel=1e-3)
-    # Zooming one plot zooms all; double-click resets the zoom.
-    figure.scroll_into_view_if_needed()
-    box = figure.locator(".u-over").bounding_box()
-    page.mouse.move(box["x"] + 50, box["y"] + 40)
-    page.mouse.down()
-    page.mouse.move(box["x"] + 150, box["y"] + 40, steps=4)
-    page.mouse.up()
-    other = page.locator("figure.plot").filter(has_text="ekf.pose.y: error").locator(".u-over")
-    other.hover(position={"x": 1, "y": 20})
-    first = page.locator("figure.plot").filter(has_text="ekf.pose.y: error").locator(".u-legend .u-value").nth(0)
-    assert float(first.inner_text().removesuffix(" s")) > 1
-    other.dblclick()
-    other.hover(position={"x": 1, "y": 20})
-    assert float(first.inner_text().removesuffix(" s")) < 1
-
-
 @pytest.mark.parametrize("view", ["matrix", "cell", "run"])
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_everybody_can_read_it(page, report, view, scheme):
@@ -243,42 +101,6 @@ def test_colours_are_chosen(page, report):
     assert page.evaluate(paper) != light
     page.click("#theme")
     assert page.evaluate(paper) == light
-
-
-def test_nothing_of_the_data_is_markup(page, folder, tmp_path):
-    name = "<img src=x onerror=document.title='bad'>.pose.x"
-    (tmp_path / "odd.csv").write_text(f'time,"{name}","a.</script><b>"\n0,1,2\n1,2,3\n')
-    cosim(tmp_path, "report", "odd.csv", "--title", "<i>odd</i> & \"so\"")
-    page.goto((tmp_path / "odd.html").as_uri())
-    expect(page.locator("h1")).to_have_text('<i>odd</i> & "so"')
-    page.locator("summary", has_text="All variables").click()
-    expect(page.get_by_role("rowheader", name=name)).to_be_visible()
-    assert page.locator("img, i:not([class]), b").count() == 0
-    assert page.title() == '<i>odd</i> & "so"'
-
-
-def test_a_run_of_its_own(page, folder):
-    options = ["--stop-time", "20", "--output-interval", "0.1", "-q", "-o", "run.csv"]
-    cosim(folder, "run", str(ROOT / "examples" / "paper.ssd"), *options)
-    cosim(folder, "report", "run.csv", "--system", str(ROOT / "examples" / "paper.ssd"))
-    page.goto((folder / "run.html").as_uri())
-    draw_all(page)
-    expect(page.locator("#map canvas")).to_be_visible()
-    page.locator("summary", has_text="All signals").click()
-    expect(page.locator("details figure.plot").first).to_be_visible()
-    page.get_by_label("Search").fill("pressure")
-    expect(page.locator("details figure.plot").first).to_contain_text("pressure")
-    # Every axis has one unit, and it is known.
-    reported = data(folder / "run.html")["runs"][""]
-    unknown = {plot["title"] for plot in reported["plots"] + reported["signals"] if not plot["unit"]}
-    assert not unknown
-
-
-def open_cell(page, file, name):
-    page.goto("about:blank")
-    page.goto(file.as_uri())
-    page.evaluate("name => location.hash = `#${encodeURIComponent(name)}`", name)
-    expect(page.locator("h1")).to_have_text(name)
 
 
 @pytest.mark.parametrize("count", [32, 1000, 100_000, 1_000_000])
@@ -319,34 +141,6 @@ def test_as_many_runs_as_there_are(page, folder, tmp_path, count):
         expect(row.locator("td").first).not_to_have_text("–")
         row.get_by_role("link", name=f"run {shown['run']}", exact=True).click()
         expect(page.locator("h1")).to_have_text(f"Run {shown['run']} of {cell['name']}")
-
-
-def test_what_is_missing_is_not_zero(page, tmp_path):
-    """The truth has a gap, and a heading of its own gap."""
-    names = ["time", "t.pose.x", "t.pose.y", "t.pose.yaw", "e.pose.x", "e.pose.y", "e.sigma.x", "e.sigma.y"]
-    rows = []
-    for time in range(101):
-        known = not 40 <= time < 60
-        truth = [100 + time, 50] if known else ["NaN", 50 if time < 50 else "NaN"]
-        rows.append([time, *truth, 1.5 if time < 80 else "NaN", 100 + time, 51, 0.5, 0.5])
-    with (tmp_path / "gap.csv").open("w", newline="") as file:
-        csv.writer(file).writerows([names, *rows])
-    cosim(tmp_path, "report", "gap.csv")
-    page.goto((tmp_path / "gap.html").as_uri())
-    apart = page.locator("#instant tbody tr", has_text="e.pose").locator("td").nth(3)
-    arrow = page.locator("#map .vehicle").first
-    for time, distance, round_mark in [(20, "1", False), (45, "–", None), (55, "–", None), (90, "1", True)]:
-        page.evaluate("time => { const slider = document.getElementById('time'); slider.value = time * 10; slider.dispatchEvent(new Event('input')); }", time)
-        expect(apart).to_have_text(distance)
-        shown = None if arrow.get_attribute("hidden") is not None else "round" in arrow.get_attribute("class")
-        assert shown == round_mark
-    # No point of the map is at the instant of a gap.
-    over = page.locator("#map .u-over")
-    over.scroll_into_view_if_needed()
-    box = over.bounding_box()
-    for part in range(0, 101, 2):
-        page.mouse.move(box["x"] + box["width"] * part / 100, box["y"] + box["height"] / 2)
-    assert "NaN" not in page.locator("output").inner_text()
 
 
 @pytest.fixture(scope="module")
@@ -399,6 +193,40 @@ def test_a_point_of_a_box_plot_is_its_run(page, varied):
     expect(page.locator("h1")).to_have_text(re.compile(rf"Run \d+ of {re.escape(name)}"))
 
 
+def test_errors_are_shown_along_the_length_of_the_outage(page, tmp_path):
+    """One scenario in which it is drawn for each run, and two that differ only in it."""
+    text = CAMPAIGN.format(seeds=8, root=ROOT, fmus=FMUS)
+    scenarios = 'nominal = ""\n' + "".join(f'{name} = "{name}.toml"\n' for name in ["any", "short", "long"])
+    text = re.sub(r"nominal = .*?\[figures\]", lambda _: scenarios + "\n[figures]", text, flags=re.DOTALL)
+    (tmp_path / "o.toml").write_text(text)
+    for name, length in [("any", [2, 18]), ("short", 5), ("long", 15)]:
+        (tmp_path / f"{name}.toml").write_text(LOST.replace("for = 10", f"for = {length}"))
+    cosim(tmp_path, "campaign", "o.toml", "-q", code=1)
+    cosim(tmp_path, "report", "o_campaign")
+    file = tmp_path / "o_campaign" / "report.html"
+    reported = data(file)
+    assert reported["campaign"]["inputs"] == [{"name": "outage length", "unit": "s"}]
+    cells = {cell["name"]: cell for cell in reported["campaign"]["cells"]}
+    sample = cells["paper/kinematic/any"]["sample"]
+    lengths = dict(zip(sample["run"], sample["inputs"][0]))
+    assert len(set(lengths.values())) == 8 and all(2 < length < 18 for length in lengths.values())
+    for run, trace in reported["runs"].items():
+        if int(run) in lengths:
+            [fault] = trace["faults"]
+            assert fault["until"] - fault["from"] == pytest.approx(lengths[int(run)], rel=1e-4)
+    open_cell(page, file, "paper/kinematic/any")
+    correlation = page.locator("table:has(caption:text('Rank correlation')) tbody tr")
+    expect(correlation).to_have_count(1)
+    expect(correlation).to_contain_text("outage length")
+    expect(page.locator("figcaption", has_text="ate against outage length")).to_be_visible()
+    # Of the two scenarios with one length each, and the one without an outage.
+    open_cell(page, file, "paper/kinematic/long")
+    expect(page.locator("figcaption", has_text="ate along outage length")).to_be_visible()
+    assert [cells[f"paper/kinematic/{name}"]["outage"]["length"] for name in ["nominal", "short", "long"]] == [0, 5, 15]
+    open_cell(page, file, "paper/kinematic/nominal")
+    assert page.locator("figcaption", has_text="outage length").count() == 0
+
+
 def test_addresses_that_were_decoded_or_are_wrong(page, report):
     cell = data(report)["campaign"]["cells"][1]
     run = cell["shown"][0]["run"]
@@ -438,83 +266,6 @@ def test_it_is_printed_with_everything_for_an_audit(page, report, tmp_path):
     assert re.search(r"\b[0-9a-f]{64}\b", text)
     # It is closed again.
     assert page.locator("#end details[open]").count() == 0
-
-
-def picture(page, canvas):
-    """The pixels of a canvas after it was drawn."""
-    page.evaluate("() => new Promise((next) => requestAnimationFrame(() => requestAnimationFrame(next)))")
-    return canvas.evaluate("canvas => canvas.toDataURL()")
-
-
-def test_a_dive_is_seen_from_all_sides(page, tmp_path):
-    names = ["time", *[f"{of}.pose.{axis}" for of in "te" for axis in "xyz"], "e.sigma.x", "e.sigma.y", "t.thruster[0].thrust", "t.thruster[1].thrust", "t.health", "t.mass"]
-    turn = [(i / 10, math.cos(i / 30), math.sin(i / 30)) for i in range(200)]
-    rows = [[t, 20 * x, 20 * y, t, 20 * x + 0.3, 20 * y, t + 0.1, 0.4, 0.4, 10 * x, 10 * y, int(t > 12), 1863] for t, x, y in turn]
-    with (tmp_path / "dive.csv").open("w", newline="") as file:
-        csv.writer(file).writerows([names, *rows])
-    cosim(tmp_path, "report", "dive.csv")
-    page.goto((tmp_path / "dive.html").as_uri())
-    draw_all(page)
-    for heading in ["Thrust", "Health"]:
-        expect(page.get_by_role("heading", name=heading)).to_be_visible()
-    space = page.locator("figure.plot", has_text="Path in space")
-    space.scroll_into_view_if_needed()
-    before = picture(page, space.locator("canvas"))
-    space.get_by_label("seen from").fill("120")
-    assert picture(page, space.locator("canvas")) != before
-    canvas = page.locator("#map canvas")
-    canvas.scroll_into_view_if_needed()
-    whole = picture(page, canvas)
-    page.get_by_role("button", name="zoom in: map").click()
-    assert picture(page, canvas) != whole
-    page.get_by_role("button", name="show all: map").click()
-    assert picture(page, canvas) == whole
-    # What is not plotted is found all the same.
-    page.locator("summary", has_text="All signals").click()
-    for word, said in [("mass", "there is no room: 1 with this word"), ("nothing", "No variable has this word")]:
-        page.get_by_label("Search").fill(word)
-        expect(page.locator("details[open]").first).to_contain_text(said)
-
-
-def test_recordings_that_lack_things_are_opened(page, tmp_path):
-    (tmp_path / "nan.csv").write_text("time,a.pose.x,a.pose.y,b\n0,NaN,NaN,NaN\n1,NaN,NaN,NaN\n")
-    (tmp_path / "bare.csv").write_text("time,a,b\n0,1,2\n1,2,3\n")
-    (tmp_path / "none.csv").write_text("time,a.pose.x,a.pose.y\n")
-    columns = [f"c{i // 100}.value[{i}]" for i in range(10_000)]
-    rows = [",".join([str(row), *(str(row * i % 97) for i in range(10_000))]) for row in range(50)]
-    (tmp_path / "wide.csv").write_text("\n".join([",".join(["time", *columns]), *rows]) + "\n")
-    for name, said in [("nan", "no finite position"), ("bare", "no truth is recorded"), ("none", "no instant is recorded"), ("wide", "2000 of")]:
-        cosim(tmp_path, "report", f"{name}.csv")
-        page.goto((tmp_path / f"{name}.html").as_uri())
-        expect(page.locator("#view")).to_contain_text(said)
-        draw_all(page)
-
-
-def test_an_empty_folder_says_so_and_nothing_else(page, tmp_path):
-    (tmp_path / "empty").mkdir()
-    cosim(tmp_path, "report", "empty")
-    page.goto((tmp_path / "empty" / "report.html").as_uri())
-    expect(page.locator(".notes")).to_contain_text("the folder is empty")
-    expect(page.locator("#end")).to_have_text(re.compile(r"^Method and provenanceReported bycosim [\d.]+$"))
-
-
-def test_a_folder_that_was_half_written_is_opened(page, folder, tmp_path):
-    shutil.copytree(folder / "c_campaign", tmp_path / "c_campaign")
-    log = tmp_path / "c_campaign" / "runs.jsonl"
-    log.write_bytes(log.read_bytes()[: log.stat().st_size // 3])
-    cosim(tmp_path, "report", "c_campaign")
-    page.goto((tmp_path / "c_campaign" / "report.html").as_uri())
-    expect(page.locator(".notes")).to_contain_text("runs have not been made yet")
-    for cell in range(4):
-        page.evaluate("location.hash = ''")
-        page.locator("#matrix td a").nth(cell).click()
-        draw_all(page)
-    manifest = tmp_path / "c_campaign" / "campaign.json"
-    manifest.write_bytes(manifest.read_bytes()[:100])
-    cosim(tmp_path, "report", "c_campaign")
-    page.goto((tmp_path / "c_campaign" / "report.html").as_uri())
-    expect(page.locator(".notes")).to_contain_text("only the states of runs are shown")
-    expect(page.locator("table:has(caption:text('Runs by how they ended'))")).to_contain_text("ok")
 
 
 PAPER = ROOT / "target" / "reproduce" / "report.html"
