@@ -3,6 +3,8 @@
 
 mod pages;
 
+pub(crate) use pages::check_footer;
+
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -131,7 +133,7 @@ pub(super) fn read(path: &Path) -> Result<Recording> {
     let broken = |e: ParquetError| unread(e.to_string());
     let content = files::read_input(path).map_err(|e| unread(e.to_string()))?;
     let size = content.len() as u64;
-    pages::check_footer(&content).map_err(|e| unread(e.to_string()))?;
+    check_footer(&content).map_err(|e| unread(e.to_string()))?;
     let file = std::fs::File::open(path).map_err(|e| unread(e.to_string()))?;
     let reader = SerializedFileReader::new(file).map_err(broken)?;
     let schema = reader.metadata().file_metadata().schema_descr_ptr();

@@ -24,7 +24,7 @@ const LIST: u8 = 9;
 const STRUCTURE: u8 = 12;
 
 /// Checks the footer of a file: all columns are directly in it.
-pub(super) fn check_footer(file: &[u8]) -> io::Result<()> {
+pub(crate) fn check_footer(file: &[u8]) -> io::Result<()> {
     let (rest, length) = (file.len() >= 12)
         .then(|| file[..file.len() - 4].split_last_chunk::<4>())
         .flatten()

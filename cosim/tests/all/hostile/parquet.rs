@@ -61,7 +61,13 @@ fn element(name: &str, kind: Option<i64>, children: Option<i64>) -> Vec<u8> {
     structure(&fields)
 }
 
-fn page(is_dictionary: bool, values: usize, encoding: i64, unpacked: usize, body: &[u8]) -> Vec<u8> {
+fn page(
+    is_dictionary: bool,
+    values: usize,
+    encoding: i64,
+    unpacked: usize,
+    body: &[u8],
+) -> Vec<u8> {
     let (values, encoding) = ((1, I32, integer(values as i64)), (2, I32, integer(encoding)));
     let mut fields = vec![(1, I32, integer(if is_dictionary { 2 } else { 0 }))];
     fields.extend([(2, I32, integer(unpacked as i64)), (3, I32, integer(body.len() as i64))]);
@@ -83,10 +89,7 @@ fn run(rows: usize) -> Vec<u8> {
 /// The column `time`, always 1.
 fn times(rows: usize) -> [Vec<u8>; 2] {
     let run = run(rows);
-    [
-        page(true, 1, PLAIN, 8, &1_f64.to_le_bytes()),
-        page(false, rows, DICTIONARY, run.len(), &run),
-    ]
+    [page(true, 1, PLAIN, 8, &1_f64.to_le_bytes()), page(false, rows, DICTIONARY, run.len(), &run)]
 }
 
 /// Type, whether it is compressed by Snappy, and pages; the first of two is a dictionary. Without
@@ -203,9 +206,9 @@ fn results_that_claim_more_than_they_are() {
     let time = |rows| (DOUBLE, false, times(rows).to_vec());
     // 2 MB that stand for 1.9 GB of numbers.
     let many = 120_000_000;
-    let mut padded = page(true, 1, PLAIN, 8, &1_f64.to_le_bytes());
-    padded.extend(page(false, 0, PLAIN, 2_000_000, &vec![0; 2_000_000]));
-    let numbers = file(many, &[time(many), (DOUBLE, false, vec![padded, times(many)[1].clone()])]);
+    let dictionary = page(true, 250_000, PLAIN, 2_000_000, &vec![0; 2_000_000]);
+    let [_, run_of_many] = times(many);
+    let numbers = file(many, &[time(many), (DOUBLE, false, vec![dictionary, run_of_many])]);
     // A String of 30 MB in each of 2,000,000 rows.
     let (length, rows) = (64 * 470_000, 2_000_000);
     let text = [&(length as u32 + 1).to_le_bytes()[..], b"a"].concat();
@@ -218,8 +221,7 @@ fn results_that_claim_more_than_they_are() {
     let unpacked = file(3, &[time(3), (DOUBLE, true, vec![unpacked])]);
     // Columns within columns: the tree of columns is built by recursion.
     let mut schema = vec![element("schema", None, Some(2)), element("time", Some(DOUBLE), None)];
-    let deep = vec![element("g", None, Some(1)); 300_000];
-    schema.extend(deep);
+    schema.extend(vec![element("g", None, Some(1)); 300_000]);
     schema.push(element("x", Some(DOUBLE), None));
     let deep = ended(b"PAR1".to_vec(), &schema, &[], &[]);
     let wide = vec![element("g", None, Some(i64::from(i32::MAX))); 100];
