@@ -32,7 +32,7 @@ pub(crate) fn check_footer(file: &[u8]) -> io::Result<()> {
     let length = u32::from_le_bytes(*length) as usize;
     let start = rest.len().checked_sub(length).ok_or_else(broken)?;
     let rest = &mut &rest[start..];
-    structure(rest, &mut |field, kind, rest| match (field, kind) {
+    structure(rest, |field, kind, rest| match (field, kind) {
         (SCHEMA, LIST) => schema(rest),
         (SCHEMA, _) => Err(broken()),
         _ => value(rest, kind, 0),
@@ -47,7 +47,7 @@ fn schema(rest: &mut &[u8]) -> io::Result<()> {
     }
     for element in 0..count {
         let mut children = 0;
-        structure(rest, &mut |field, kind, rest| match (field, kind) {
+        structure(rest, |field, kind, rest| match (field, kind) {
             (CHILDREN, 5) => integer(rest).map(|number| children = number),
             (CHILDREN, _) => Err(broken()),
             _ => value(rest, kind, 0),
@@ -65,7 +65,7 @@ pub(super) fn largest(bytes: &[u8]) -> io::Result<u64> {
     let (mut rest, mut largest) = (bytes, 0);
     while !rest.is_empty() {
         let (mut unpacked, mut packed) = (None, None);
-        structure(&mut rest, &mut |field, kind, rest| match (field, kind) {
+        structure(&mut rest, |field, kind, rest| match (field, kind) {
             (UNPACKED, 5) => integer(rest).map(|number| unpacked = u64::try_from(number).ok()),
             (PACKED, 5) => integer(rest).map(|number| packed = u64::try_from(number).ok()),
             (UNPACKED | PACKED, _) => Err(broken()),
@@ -89,7 +89,7 @@ fn broken() -> io::Error {
 /// Reads the fields of a structure: number and type of each; `field` reads its value.
 fn structure<'b>(
     rest: &mut &'b [u8],
-    field: &mut dyn FnMut(i64, u8, &mut &'b [u8]) -> io::Result<()>,
+    mut field: impl FnMut(i64, u8, &mut &'b [u8]) -> io::Result<()>,
 ) -> io::Result<()> {
     let mut number = 0_i64;
     loop {
@@ -125,7 +125,7 @@ fn value(rest: &mut &[u8], kind: u8, depth: usize) -> io::Result<()> {
             (0..count).try_for_each(|_| value(rest, kind, depth))
         }
         STRUCTURE if depth < DEEPEST => {
-            structure(rest, &mut |_, kind, rest| value(rest, kind, depth + 1))
+            structure(rest, |_, kind, rest| value(rest, kind, depth + 1))
         }
         // Headers have no maps.
         _ => Err(broken()),
