@@ -10,6 +10,7 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 use super::row::Number;
 use super::{Campaign, Row, Status};
 use crate::columns::{Holds, Table, Values};
+use crate::observe::check_footer;
 
 /// Rows of a row group.
 const GROUP: usize = 1 << 16;
@@ -23,6 +24,8 @@ fn in_order<'r>(campaign: &Campaign, rows: &'r [Row]) -> Vec<&'r Row> {
 
 /// How many runs a table has, or why it cannot be read.
 pub(super) fn runs(file: &Path) -> Result<u64, String> {
+    let content = std::fs::read(file).map_err(|e| e.to_string())?;
+    check_footer(&content).map_err(|e| e.to_string())?;
     let file = File::open(file).map_err(|e| e.to_string())?;
     let reader = SerializedFileReader::new(file).map_err(|e| e.to_string())?;
     Ok(reader.metadata().file_metadata().num_rows() as u64)

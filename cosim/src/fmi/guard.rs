@@ -3,10 +3,11 @@
 //!
 //! All of that belongs to the process, so an FMU that changes it affects the other FMUs, and a
 //! system computes different results in one process than in two. The floating-point environment is
-//! compared after every call, because the next FMU would compute with it. The rest costs system
-//! calls; it is compared after each call that creates, initializes or ends an instance, after the
-//! first steps, and then occasionally (`master::engine`). Changes are undone, and the messages of
-//! the instance report what was changed and by which function.
+//! compared after every call, because the next FMU would compute with it; after direct steps by
+//! [`Steady`]. The rest costs system calls; it is compared after each call that creates,
+//! initializes or ends an instance, after the first steps, and then occasionally
+//! (`master::engine`). Changes are undone, and the messages of the instance report what was changed
+//! and by which function.
 
 use std::ffi::{CStr, CString};
 use std::mem::MaybeUninit;
@@ -90,6 +91,20 @@ impl Float {
     #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
     fn set(self) {}
 
+    /// The x87 control word, which is read without waiting.
+    #[cfg(target_arch = "x86_64")]
+    #[inline(always)]
+    fn x87() -> u16 {
+        let mut x87 = 0_u16;
+        // SAFETY: the instruction stores to the location it is given.
+        unsafe {
+            std::arch::asm!(
+                "fnstcw [{}]", in(reg) &mut x87, options(nostack, preserves_flags)
+            );
+        }
+        x87
+    }
+
     /// Undoes what a call of `function` changed, and reports it.
     #[inline(always)]
     pub(super) fn check(self, log: &Log, function: &'static str) {
@@ -103,6 +118,79 @@ impl Float {
     pub(super) fn changed(self, log: &Log, function: &str) {
         self.set();
         report(log, Kind::Float, function);
+    }
+}
+
+/// The floating-point environment before direct steps, and a comparison with it that costs almost
+/// nothing.
+///
+/// To read MXCSR, a processor waits for all operations before it, which can take half the time of a
+/// small FMU's step. It does not wait for sums whose bits depend on MXCSR. These do not depend on
+/// which exceptions trap: that changes no results, and is compared with the rest of the process.
+pub(crate) struct Steady {
+    before: Float,
+    #[cfg(target_arch = "x86_64")]
+    sums: std::arch::x86_64::__m128i,
+}
+
+#[cfg(target_arch = "x86_64")]
+impl Steady {
+    /// The environment of the calling thread.
+    pub(crate) fn now() -> Self {
+        Self { before: Float::now(), sums: sums() }
+    }
+
+    /// Whether the calling thread now rounds differently, flushes subnormals differently, or has
+    /// another x87 control word. That is compared first: `feenableexcept` changes it too, and then
+    /// the sums, which are inexact, would trap.
+    #[inline(always)]
+    pub(crate) fn is_changed(&self) -> bool {
+        use std::arch::x86_64::{_mm_cmpeq_epi32, _mm_movemask_epi8};
+        // SAFETY: every x86-64 processor has SSE2.
+        let equal = || unsafe { _mm_movemask_epi8(_mm_cmpeq_epi32(sums(), self.sums)) == 0xffff };
+        Float::x87() != self.before.x87 || !equal()
+    }
+}
+
+/// Four sums: only to nearest are both of the first two rounded away from zero; the third is
+/// subnormal, and so is an operand of the fourth.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+fn sums() -> std::arch::x86_64::__m128i {
+    use std::arch::x86_64::{_mm_castps_si128, _mm_set_ps};
+    const PART: f32 = 0.75 * f32::EPSILON;
+    const TINY: f32 = f32::MIN_POSITIVE;
+    // SAFETY: every x86-64 processor has SSE2; the instruction adds registers. The compiler would
+    // assume the default environment.
+    unsafe {
+        let mut sums = _mm_set_ps(1.0, -1.0, TINY, f32::from_bits(1));
+        std::arch::asm!(
+            "addps {}, {}", inout(xmm_reg) sums,
+            in(xmm_reg) _mm_set_ps(PART, -PART, -1.5 * TINY, 0.0),
+            options(nomem, nostack, preserves_flags)
+        );
+        _mm_castps_si128(sums)
+    }
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+impl Steady {
+    /// The environment of the calling thread.
+    pub(crate) fn now() -> Self {
+        Self { before: Float::now() }
+    }
+
+    /// Whether it has changed.
+    #[inline(always)]
+    pub(crate) fn is_changed(&self) -> bool {
+        Float::now() != self.before
+    }
+}
+
+impl Steady {
+    /// The environment to set back.
+    pub(crate) fn before(&self) -> Float {
+        self.before
     }
 }
 
@@ -156,6 +244,7 @@ const FAULTS: [libc::c_int; 5] =
 
 /// The state of the process and of the calling thread.
 struct Process {
+    float: Float,
     mask: libc::sigset_t,
     handlers: [libc::sigaction; 32],
     locale: CString,
@@ -204,11 +293,8 @@ pub(super) fn check(log: &Log, function: &str) {
 /// For library code that runs while the library is loaded: its changes are reported by the
 /// instances that are created from it.
 pub(super) fn around<T>(function: &str, call: impl FnOnce() -> T) -> (T, Vec<String>) {
-    let (log, float, before) = (Log::default(), Float::now(), Before::now());
+    let (log, before) = (Log::default(), Before::now());
     let result = call();
-    if Float::now() != float {
-        float.changed(&log, function);
-    }
     before.compare(&log, function);
     (result, log.take())
 }
@@ -253,6 +339,7 @@ impl Process {
             let name = libc::setlocale(libc::LC_ALL, std::ptr::null());
             let locale = if name.is_null() { c"C" } else { CStr::from_ptr(name) };
             Self {
+                float: Float::now(),
                 mask: mask.assume_init(),
                 handlers: handlers.map(|handler| handler.assume_init()),
                 locale: locale.to_owned(),
@@ -271,6 +358,9 @@ impl Process {
 impl Before {
     fn compare(&self, log: &Log, function: &str) {
         let (before, now) = (&self.process, Process::now());
+        if now.float != before.float {
+            before.float.changed(log, function);
+        }
         // SAFETY: the values were read by the same functions in this process; the locale of a
         // thread is set by the calling thread itself.
         unsafe {

@@ -12,7 +12,7 @@ use super::callbacks::{Callbacks, Known};
 use super::description::InterfaceType;
 use super::fmu::Fmu;
 use super::guard::{self, Float};
-use super::library::{Component, FmuState, Functions, Hot, Own};
+use super::library::{Binary, Component, FmuState, Functions, Hot, Own};
 use super::status::{self, RawStatus};
 use crate::error::{Code, Error, Result};
 use crate::time::{Step, Time};
@@ -333,6 +333,10 @@ impl Drop for Instance {
             unsafe { (functions.free_instance)(self.component) };
         });
         self.check_process(Call::FreeInstance.name());
+        // A thread that the FMU has left behind may still call them.
+        if self.fmu.binary(self.kind).is_ok_and(Binary::may_run) {
+            std::mem::forget(self.callbacks.take());
+        }
         self.fmu.taken.store(false, Ordering::Release);
     }
 }

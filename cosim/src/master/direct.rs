@@ -19,11 +19,10 @@ use super::plan::{Node, Plan, Route};
 use super::slave::{DirectCalls, Slave};
 use crate::error::Result;
 use crate::fmi::DirectSteps;
-use crate::fmi::guard::Float;
+use crate::fmi::guard::Steady;
 use crate::time::Time;
 
 /// The steps of all components in order, and the inputs that are held.
-#[derive(Default)]
 pub(super) struct Steps {
     direct: DirectSteps<Places>,
     /// The fresh inputs of all steps, one step after another.
@@ -32,6 +31,8 @@ pub(super) struct Steps {
     /// For each component: of the variables that are only recorded, Reals are read in the step,
     /// others are not.
     partly: Vec<bool>,
+    /// What each step must leave as it was.
+    float: Steady,
 }
 
 /// The positions of a component's values in the engine's arrays; small, so that they and its calls
@@ -77,7 +78,13 @@ impl Places {
 impl Steps {
     /// For slaves that are initialized; otherwise all steps are made by the slaves.
     pub(super) fn new(plan: &Plan, slaves: &[Box<dyn Slave>]) -> Self {
-        let mut steps = Self { partly: vec![false; plan.nodes.len()], ..Self::default() };
+        let mut steps = Self {
+            direct: DirectSteps::default(),
+            routes: Vec::new(),
+            held: Vec::new(),
+            partly: vec![false; plan.nodes.len()],
+            float: Steady::now(),
+        };
         for &c in &plan.sequence {
             steps.push(c, &plan.nodes[c], &*slaves[c]);
         }
@@ -137,7 +144,6 @@ impl Engine {
     #[inline(always)]
     fn step_directly(&mut self, first: usize, now: Time) -> Result<usize> {
         let recording = now == self.limit;
-        let float = Float::now();
         // Instants in seconds, for components with the same step.
         let (mut length, mut seconds) = (Time::ZERO, (0.0, 0.0));
         let mut place = first;
@@ -164,8 +170,8 @@ impl Engine {
             let own = &self.inputs[range(places.inputs, step.sets())];
             let results = &mut self.values[range(places.outputs, reads)];
             let advanced = step.advance(own, seconds, results);
-            if Float::now() != float {
-                self.slaves[c].changed_float(float);
+            if self.steps.float.is_changed() {
+                set_back(&mut *self.slaves[c], &self.steps.float);
             }
             if let Err(found) = advanced {
                 self.slaves[c].conclude(found, now - length, length)?;
@@ -182,4 +188,11 @@ impl Engine {
             }
         }
     }
+}
+
+/// A separate function, so that the usual path stays short.
+#[cold]
+#[inline(never)]
+fn set_back(slave: &mut dyn Slave, float: &Steady) {
+    slave.changed_float(float.before());
 }

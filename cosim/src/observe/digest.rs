@@ -30,8 +30,8 @@ const UNWRITTEN: &str = "the list of digests cannot be written";
 pub struct RunningDigest {
     hash: Sha256,
     samples: u64,
-    /// Positions of the columns that hold Strings.
-    texts: Vec<usize>,
+    /// For each column, whether it holds Strings.
+    texts: Vec<bool>,
 }
 
 impl RunningDigest {
@@ -45,10 +45,9 @@ impl RunningDigest {
         digest
     }
 
-    /// The positions of those columns that hold Strings.
+    /// Which of those columns hold Strings.
     pub(super) fn with_texts(mut self, texts: impl IntoIterator<Item = bool>) -> Self {
-        let all = texts.into_iter().enumerate();
-        self.texts = all.filter(|(_, text)| *text).map(|(place, _)| place).collect();
+        self.texts = texts.into_iter().collect();
         self
     }
 
@@ -56,7 +55,7 @@ impl RunningDigest {
     pub fn add(&mut self, time: Time, values: impl IntoIterator<Item = f64>) {
         self.hash.update(time.ns().to_le_bytes());
         for (place, value) in values.into_iter().enumerate() {
-            if !self.texts.is_empty() && self.texts.contains(&place) {
+            if self.texts.get(place) == Some(&true) {
                 let text = texts::text(value);
                 self.hash.update((text.len() as u64).to_le_bytes());
                 self.hash.update(text.as_bytes());
@@ -87,9 +86,9 @@ impl RunningDigest {
 impl Recording {
     /// The digest of a complete recording.
     pub fn digest(&self) -> Result<RunningDigest> {
-        let names = || self.columns().map(|(name, _)| name);
-        let mut digest =
-            RunningDigest::new(names()).with_texts(names().map(|name| self.is_text(name)));
+        let names = self.columns().map(|(name, _)| name);
+        let texts = (0..self.names().len()).map(|place| self.is_text_at(place));
+        let mut digest = RunningDigest::new(names).with_texts(texts);
         for (sample, &seconds) in self.time().iter().enumerate() {
             let time = time::from_seconds(seconds, "a time of the results")?;
             digest.add(time, self.columns().map(|(_, values)| values[sample]));

@@ -27,6 +27,8 @@ pub use digest::{Digested, RunningDigest};
 pub use mcap::McapRecorder;
 #[cfg(feature = "campaign")]
 pub use parquet::ParquetRecorder;
+#[cfg(feature = "campaign")]
+pub(crate) use parquet::check_footer;
 #[cfg(feature = "program")]
 pub use progress::Progress;
 pub use recording::Recording;

@@ -3,9 +3,12 @@
 
 mod pages;
 
+pub(crate) use pages::check_footer;
+
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use ::parquet::basic::Compression;
 use ::parquet::column::reader::ColumnReader;
 use ::parquet::data_type::ByteArray;
 use ::parquet::errors::{ParquetError, Result as Written};
@@ -116,10 +119,13 @@ impl Observer for ParquetRecorder {
     }
 }
 
-/// Bytes of numbers that are read at most, for each byte of the file and in addition to that: a page
-/// of a few bytes can stand for 2^31 equal values.
-const PER_BYTE: u64 = 1024;
+/// Bytes of numbers, and of Strings, that are read at most, for each byte of the file and in
+/// addition to that: a page of a few bytes can stand for 2^31 equal values.
+const PER_BYTE: u64 = 256;
 const ANYWAY: u64 = 16 << 20;
+/// Values that are read at once; of Strings, which may each be as long as a page, as many as fit
+/// into `ANYWAY`.
+const BATCH: usize = 1 << 16;
 
 /// Reads results, also of other programs, if their first column is `time` and all columns are flat
 /// and contain numbers or Strings.
@@ -136,6 +142,7 @@ pub(super) fn read(path: &Path) -> Result<Recording> {
             .help("repeat the run; CSV and MCAP can be read as far as they were written"));
     }
     let size = content.len() as u64;
+    check_footer(&content).map_err(|e| unread(e.to_string()))?;
     let file = std::fs::File::open(path).map_err(|e| unread(e.to_string()))?;
     let reader = SerializedFileReader::new(file).map_err(broken)?;
     let schema = reader.metadata().file_metadata().schema_descr_ptr();
@@ -148,18 +155,21 @@ pub(super) fn read(path: &Path) -> Result<Recording> {
         return Err(unread(format!("column '{}' holds lists", nested.name())));
     }
     let groups = reader.metadata().row_groups();
-    let most = size.saturating_mul(PER_BYTE).saturating_add(ANYWAY);
-    for column in groups.iter().flat_map(|group| group.columns()) {
+    let parts = || groups.iter().flat_map(|group| group.columns());
+    let packed = parts().map(|column| column.compressed_size().max(0) as u64);
+    if packed.fold(0, u64::saturating_add) > size {
+        return Err(unread("its columns share bytes, or reach beyond its end".to_owned()));
+    }
+    let mut largest = 0;
+    for column in parts().filter(|column| is_unpacked(column)) {
         let pages = part(&content, column).ok_or_else(|| unread("a column is not in it".into()))?;
-        let largest = pages::largest(pages).map_err(|e| unread(e.to_string()))?;
-        if largest > most {
-            return Err(unread(format!("{size} bytes claim to hold a page of {largest}")));
-        }
+        largest = pages::largest(pages).map_err(|e| unread(e.to_string()))?.max(largest);
     }
     drop(content);
     let rows = groups.iter().map(|group| group.num_rows().max(0) as u64);
     let rows = rows.fold(0, u64::saturating_add);
     let bytes = rows.saturating_mul(8 * all.len() as u64);
+    let most = size.saturating_mul(PER_BYTE).saturating_add(ANYWAY);
     if bytes > most {
         let count = all.len();
         return Err(unread(format!("{size} bytes claim to hold {rows} rows of {count} columns"))
@@ -167,15 +177,15 @@ pub(super) fn read(path: &Path) -> Result<Recording> {
     }
     let mut forms = vec![Form::Real; all.len()];
     let mut columns: Vec<Vec<f64>> = vec![Vec::new(); all.len()];
+    let batch = usize::try_from(ANYWAY / largest.max(1)).map_or(BATCH, |fit| fit.clamp(1, BATCH));
+    let mut limits = Limits { batch, texts: most };
     for group in 0..reader.num_row_groups() {
         let group = reader.get_row_group(group).map_err(broken)?;
         let rows = usize::try_from(group.metadata().num_rows()).unwrap_or(0);
         for (place, column) in columns.iter_mut().enumerate() {
             let own = group.get_column_reader(place).map_err(broken)?;
-            let (form, values) = column_of(own, rows, all[place].max_def_level())
+            forms[place] = read_column(own, rows, all[place].max_def_level(), &mut limits, column)
                 .map_err(|e| unread(format!("column '{}': {e}", names[place])))?;
-            forms[place] = form;
-            column.extend(values);
         }
     }
     let length = columns[0].len();
@@ -199,42 +209,67 @@ fn part<'c>(content: &'c [u8], column: &ColumnChunkMetaData) -> Option<&'c [u8]>
     content.get(start..start.checked_add(length)?)
 }
 
-/// The values of a column in a group; NaN if there is none.
-fn column_of(reader: ColumnReader, rows: usize, depth: i16) -> Written<(Form, Vec<f64>)> {
+/// Whether the library unpacks its pages; it refuses those with other compression.
+fn is_unpacked(column: &ColumnChunkMetaData) -> bool {
+    matches!(column.compression(), Compression::UNCOMPRESSED | Compression::SNAPPY)
+}
+
+/// What is left for the columns of a file.
+struct Limits {
+    /// Values that are read at once.
+    batch: usize,
+    /// Bytes of Strings.
+    texts: u64,
+}
+
+/// Appends the values of a column in a group; NaN if there is none.
+fn read_column(
+    reader: ColumnReader,
+    rows: usize,
+    depth: i16,
+    limits: &mut Limits,
+    column: &mut Vec<f64>,
+) -> Written<Form> {
     /// A value as it is recorded.
     macro_rules! read {
-        ($reader:ident, $form:expr, $number:expr) => {{
+        ($reader:ident, $form:expr, $batch:expr, $number:expr) => {{
             let (mut values, mut levels, mut left) = (Vec::new(), Vec::new(), rows);
             while left > 0 {
+                let batch = left.min($batch);
                 let (records, ..) =
-                    $reader.read_records(left, Some(&mut levels), None, &mut values)?;
+                    $reader.read_records(batch, Some(&mut levels), None, &mut values)?;
                 if records == 0 {
                     break;
                 }
                 left -= records;
-            }
-            let mut values = values.into_iter().map($number);
-            let values = match depth {
-                0 => values.collect(),
-                _ => {
-                    let there = levels.iter().map(|level| *level == depth);
-                    let value = |there| if there { values.next() } else { None };
-                    there.map(value).map(|value| value.unwrap_or(f64::NAN)).collect()
+                let mut values = values.drain(..).map($number);
+                match depth {
+                    0 => column.extend(values),
+                    _ => column.extend(levels.drain(..).map(|level| {
+                        let value = if level == depth { values.next() } else { None };
+                        value.unwrap_or(f64::NAN)
+                    })),
                 }
-            };
-            Ok(($form, values))
+                if limits.texts == 0 {
+                    return Err(ParquetError::General("its Strings are too long".to_owned()));
+                }
+            }
+            Ok($form)
         }};
     }
     match reader {
-        ColumnReader::DoubleColumnReader(mut r) => read!(r, Form::Real, |v| v),
-        ColumnReader::FloatColumnReader(mut r) => read!(r, Form::Real, f64::from),
-        ColumnReader::Int64ColumnReader(mut r) => read!(r, Form::Whole, |v| v as f64),
-        ColumnReader::Int32ColumnReader(mut r) => read!(r, Form::Whole, f64::from),
+        ColumnReader::DoubleColumnReader(mut r) => read!(r, Form::Real, BATCH, |v| v),
+        ColumnReader::FloatColumnReader(mut r) => read!(r, Form::Real, BATCH, f64::from),
+        ColumnReader::Int64ColumnReader(mut r) => read!(r, Form::Whole, BATCH, |v| v as f64),
+        ColumnReader::Int32ColumnReader(mut r) => read!(r, Form::Whole, BATCH, f64::from),
         ColumnReader::BoolColumnReader(mut r) => {
-            read!(r, Form::Whole, |v| f64::from(u8::from(v)))
+            read!(r, Form::Whole, BATCH, |v| f64::from(u8::from(v)))
         }
         ColumnReader::ByteArrayColumnReader(mut r) => {
-            read!(r, Form::Text, |v: ByteArray| texts::number(v.as_utf8().unwrap_or_default()))
+            read!(r, Form::Text, limits.batch, |v: ByteArray| {
+                limits.texts = limits.texts.saturating_sub(v.len() as u64);
+                texts::number(v.as_utf8().unwrap_or_default())
+            })
         }
         _ => Err(ParquetError::General("it holds neither numbers nor Strings".to_owned())),
     }

@@ -303,11 +303,11 @@ fn a_neighbour_computes_the_same() {
     let at = folder.path();
     let system = Ssd::new()
         .add("clock", Model::Clock)
-        .add_with("first", Model::Gain, &[("k", 0.333_333_3)], None)
+        .add("first", Model::Gain)
         .add("second", Model::Integrator)
         .connect("clock.y", "first.u")
         .connect("first.y", "second.u")
-        .stop(5.0);
+        .stop(200.0);
     let text = std::fs::read_to_string(system.write()).unwrap();
     let run = |fmu: &Path, more: &[&str]| {
         let gain = Model::Gain.fmu();
@@ -320,22 +320,40 @@ fn a_neighbour_computes_the_same() {
         (std::fs::read(at.join("three.csv")).unwrap(), shown)
     };
     let (wanted, _) = run(&attacker(at, "(void)m"), &[]);
+    // Once in the first steps, which slaves make, or in a direct one.
+    let reports = |attack: &str, step: &str, more: &[&str]| {
+        let defines = [format!("ATTACK={attack}"), format!("ATTACK_AT={step}")];
+        let defines = defines.each_ref().map(String::as_str);
+        let fmu = Model::Gain.variant(&at.join("attacker.fmu"), &defines, |text| text);
+        let (found, shown) = run(&fmu, more);
+        assert!(found == wanted, "{attack} {step} {more:?}: {shown}");
+        let reported = "changed the floating-point environment";
+        let line = shown.lines().find(|line| line.contains(reported));
+        line.unwrap_or_else(|| panic!("{attack} {step} {more:?}: {shown}")).to_owned()
+    };
     for attack in [
         "fesetround(FE_UPWARD)",
+        "fesetround(FE_DOWNWARD)",
         "fesetround(FE_TOWARDZERO)",
+        "__builtin_ia32_ldmxcsr(__builtin_ia32_stmxcsr() | 0x2000)",
+        "__builtin_ia32_ldmxcsr(__builtin_ia32_stmxcsr() | 0x4000)",
         "unsigned short w; __asm__(\"fnstcw %0\" : \"=m\"(w)); w &= ~0x300; __asm__(\"fldcw %0\" :: \"m\"(w))",
-        "__builtin_ia32_ldmxcsr(__builtin_ia32_stmxcsr() | 0x8040)",
+        "__builtin_ia32_ldmxcsr(__builtin_ia32_stmxcsr() | 0x8000)",
+        "__builtin_ia32_ldmxcsr(__builtin_ia32_stmxcsr() | 0x40)",
         "feenableexcept(FE_INEXACT)",
     ] {
-        let fmu = attacker(at, attack);
-        for more in [&[][..], &["--workers", "2"]] {
-            let (found, shown) = run(&fmu, more);
-            assert!(found == wanted, "{attack} {more:?}: {shown}");
-            let reported = "changed the floating-point environment";
-            let line = shown.lines().find(|line| line.contains(reported));
-            assert!(line.is_some_and(|line| line.contains("first")), "{attack} {more:?}: {shown}");
+        for step in ["3", "1000"] {
+            for more in [&[][..], &["--workers", "2"]] {
+                let line = reports(attack, step, more);
+                let is_named = line.contains("first") && !line.contains("another component");
+                assert!(is_named, "{attack} {step} {more:?}: {line}");
+            }
         }
     }
+    // If it only changes which exceptions trap, a direct step is not found at once.
+    let traps = "__builtin_ia32_ldmxcsr(__builtin_ia32_stmxcsr() & ~0x200)";
+    let line = reports(traps, "1000", &[]);
+    assert!(line.contains("this or another component"), "{line}");
 }
 
 /// What an FMU that is not trusted prints contains no commands for a terminal.

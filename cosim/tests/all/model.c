@@ -254,6 +254,19 @@ static void *go_on(void *argument) {
   return NULL;
 }
 #endif
+#ifdef LOGS_LATE /* by a thread, with the callbacks of the first instance, after it was freed */
+static const Callbacks *first;
+static volatile int wanted_logs, made_logs;
+static void *log_late(void *argument) {
+  for (;; usleep(100))
+    if (made_logs < wanted_logs) {
+      first->log(first->environment, "first", 0, "logAll", "late");
+      first->release(first->allocate(1, 8));
+      made_logs++;
+    }
+  return NULL;
+}
+#endif
 Component fmi2Instantiate(const char *name, int type, const char *guid, const char *resources,
                           const Callbacks *callbacks, int visible, int logging) {
   if (strcmp(guid, "{test}") || type != 1 || strncmp(resources, "file:///", 8)) {
@@ -289,6 +302,11 @@ Component fmi2Instantiate(const char *name, int type, const char *guid, const ch
   pthread_create(&thread, NULL, go_on, NULL);
   pthread_detach(thread);
 #endif
+#ifdef LOGS_LATE
+  pthread_t logging_late;
+  if (!first) pthread_create(&logging_late, NULL, log_late, NULL);
+  if (!first) first = callbacks;
+#endif
   return m;
 }
 
@@ -299,6 +317,10 @@ void fmi2FreeInstance(Component c) {
   Model *m = c;
   REPORT("freed");
   at("end");
+#ifdef LOGS_LATE
+  if (m->callbacks != first) /* so the first is freed */
+    for (wanted_logs++; made_logs < wanted_logs;) usleep(100);
+#endif
   m->callbacks->release(c);
 }
 #endif
@@ -607,7 +629,10 @@ Status fmi2DoStep(Component c, double t, double h, int no_set) {
     m->callbacks->log(m->callbacks->environment, m->name, 1, "logAll", "%s", m->text);
 #endif
 #ifdef ATTACK
-  if (m->steps == 3) attack(m);
+#ifndef ATTACK_AT
+#define ATTACK_AT 3
+#endif
+  if (m->steps == ATTACK_AT) attack(m);
 #endif
   if (m->steps == 3) at("step");
 #ifdef ABORTS

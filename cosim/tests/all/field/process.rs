@@ -130,3 +130,18 @@ fn a_thread_that_an_fmu_leaves_behind_does_no_harm() {
     let output = cosim(folder.path(), &["simulate", fmu.to_str().unwrap()]);
     assert!(output.status.success(), "{:?} {}", output.status, text(&output.stderr));
 }
+
+/// The library is not unloaded, and what it was given to call is still there.
+#[test]
+fn a_thread_that_logs_after_its_instance_is_freed_does_no_harm() {
+    let folder = TempDir::new().unwrap();
+    let fmu = with(&folder, Gain, "LOGS_LATE");
+    let ssd = Ssd::new().add("g", Gain).add("h", Gain).connect("g.y", "h.u");
+    let (file, fmu) = (ssd.write(), fmu.display());
+    let (g, h) = (format!("g={fmu}"), format!("h={fmu}"));
+    for more in [&[][..], &["--isolate"], &["--workers", "1"]] {
+        let arguments = ["run", file.to_str().unwrap(), "--replace", &g, "--replace", &h];
+        let output = cosim(folder.path(), &[&arguments[..], more].concat());
+        assert!(output.status.success(), "{more:?}: {:?} {}", output.status, text(&output.stderr));
+    }
+}

@@ -6,6 +6,7 @@ mod descriptions;
 mod endless;
 mod floods;
 mod outputs;
+mod parquet;
 mod shown;
 
 use std::path::{Path, PathBuf};

@@ -124,7 +124,7 @@ fn every_cell_of_the_table_of_rights_is_as_it_says() {
                 if key == "cosim/@1/rights" && matches!(verb, Verb::Ask | Verb::Serve) {
                     continue;
                 }
-                let does = tries(&orchestrator, &session, verb, key, may);
+                let does = tries((&orchestrator, key), (&session, key), verb, may);
                 if does != may {
                     wrong.push(format!("{role} {verb:?} {key}: {does}, not {may}"));
                 }
@@ -184,40 +184,82 @@ fn fence(session: &zenoh::Session) {
     assert!(asked.wait().unwrap().recv().is_ok());
 }
 
-/// Whether `member` can do that, seen from the orchestrator. If it `may`, the effect is waited for.
+/// A pattern of keys gives no more rights than each key in it: nobody reaches the keys of others by
+/// a pattern that includes them.
+#[test]
+fn patterns_give_no_rights_to_the_keys_in_them() {
+    let folder = keys();
+    let at = folder.path();
+    let endpoint = format!("tls/127.0.0.1:{}", free_port());
+    let listening = ["workers", "--wait", "600", "--listen", &endpoint];
+    let _listening = start(at, &[&listening[..], &["--credentials", "keys/orchestrator"]].concat());
+    let of = |member: &str| observe(&endpoint, &at.join("keys").join(member));
+    let orchestrator = of("orchestrator");
+    let rights = cosim::distributed::all_rights("left");
+    let mut wrong = Vec::new();
+    for (role, member) in [("worker", "left"), ("observer", "observer")] {
+        let session = of(member);
+        for (pattern, key) in [
+            ("**", "cosim/1/r/status"),
+            ("cosim/**", "cosim/1/r/status"),
+            ("cosim/1/*/status", "cosim/1/r/status"),
+            ("cosim/@1/**", "cosim/@1/running/r"),
+            ("cosim/@1/run/**", "cosim/@1/run/r/right/fmu/00"),
+            ("cosim/@1/run/*/*/fmu/*", "cosim/@1/run/r/right/fmu/00"),
+            ("cosim/@1/run/*/*/*/cmd/*", "cosim/@1/run/r/right/0.1/cmd/quick"),
+            ("cosim/@1/run/*/*/*/rep/*", "cosim/@1/run/r/right/0.1/rep/quick"),
+            ("cosim/@1/run/*/*/*/alive/*", "cosim/@1/run/r/right/0.1/alive/quick"),
+            ("cosim/@pool/**", "cosim/@pool/1/right/start"),
+            ("cosim/@pool/1/*", "cosim/@pool/1/right"),
+        ] {
+            for verb in Verb::ALL {
+                let may = rights.iter().any(|(who, does, keys)| {
+                    (*who == role || *who == "anybody") && *does == verb && includes(keys, pattern)
+                });
+                let does = tries((&orchestrator, key), (&session, pattern), verb, may);
+                if does != may {
+                    wrong.push(format!("{role} {verb:?} {pattern}: {does}, not {may}"));
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// Whether a member can do that with its key, seen from the orchestrator and its key. If it `may`,
+/// the effect is waited for.
 fn tries(
-    orchestrator: &zenoh::Session,
-    member: &zenoh::Session,
+    orchestrator: (&zenoh::Session, &str),
+    member: (&zenoh::Session, &str),
     verb: Verb,
-    key: &str,
     may: bool,
 ) -> bool {
     let patience = if may { Duration::from_secs(10) } else { Duration::from_millis(150) };
-    let answers = |session: &zenoh::Session| {
+    let answers = |(session, key): (&zenoh::Session, &str)| {
         let asked = session.get(key).payload("x").timeout(patience).wait().unwrap();
         asked.into_iter().any(|reply| reply.result().is_ok())
     };
-    let lives = |session: &zenoh::Session| {
+    let lives = |(session, key): (&zenoh::Session, &str)| {
         let asked = session.liveliness().get(key).timeout(patience).wait().unwrap();
         asked.into_iter().any(|reply| reply.result().is_ok())
     };
-    let serve = |session: &zenoh::Session| {
-        let queryable = session.declare_queryable(key).callback(|query| {
+    let serve = |(session, key): (&zenoh::Session, &str)| {
+        let queryable = session.declare_queryable(key.to_owned()).callback(|query| {
             drop(query.reply(query.key_expr().clone(), "x").wait());
         });
         let queryable = queryable.wait().unwrap();
         fence(session);
         queryable
     };
-    let hears = |from: &zenoh::Session, to: &zenoh::Session| {
-        let heard = to.declare_subscriber(key).wait().unwrap();
-        [to, from].into_iter().for_each(fence);
-        from.put(key, "x").wait().unwrap();
-        [from, to].into_iter().for_each(fence);
+    let hears = |from: (&zenoh::Session, &str), to: (&zenoh::Session, &str)| {
+        let heard = to.0.declare_subscriber(to.1.to_owned()).wait().unwrap();
+        [to.0, from.0].into_iter().for_each(fence);
+        from.0.put(from.1, "x").wait().unwrap();
+        [from.0, to.0].into_iter().for_each(fence);
         heard.recv_timeout(patience).unwrap().is_some()
     };
-    let announce = |session: &zenoh::Session| {
-        let token = session.liveliness().declare_token(key).wait().unwrap();
+    let announce = |(session, key): (&zenoh::Session, &str)| {
+        let token = session.liveliness().declare_token(key.to_owned()).wait().unwrap();
         fence(session);
         token
     };
