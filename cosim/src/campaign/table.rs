@@ -2,6 +2,8 @@
 
 use std::fs::File;
 use std::path::Path;
+use std::sync::mpsc;
+use std::thread;
 
 use parquet::data_type::ByteArray;
 use parquet::errors::Result as Written;
@@ -69,8 +71,7 @@ pub(super) fn parquet(campaign: &Campaign, rows: &[Row], identity: &[String]) ->
     });
     let named: Vec<[ByteArray; 4]> = named.collect();
     let words = Status::ALL.map(|status| ByteArray::from(status.word()));
-    let mut table = Table::new(Vec::new(), columns, about)?;
-    for rows in rows.chunks(GROUP) {
+    let group = |rows: &[&Row]| {
         let input = |place| rows.iter().map(move |row| at(&row.inputs, place));
         let mut values = vec![whole(rows.iter().map(|row| row.run))];
         values.extend((0..4).map(|place| {
@@ -92,8 +93,16 @@ pub(super) fn parquet(campaign: &Campaign, rows: &[Row], identity: &[String]) ->
         let digests = rows.iter().map(|row| row.digest.to_string().into_bytes().into());
         values.push(Values::Text(digests.collect()));
         values.push(real(rows.iter().map(|row| row.cpu_ms.0)));
-        table.group(values)?;
-    }
+        values
+    };
+    let mut table = Table::new(Vec::new(), columns, about)?;
+    // While a group is encoded, the next one is gathered.
+    thread::scope(|scope| {
+        let (send, groups) = mpsc::sync_channel(1);
+        let (rows, group) = (&rows, &group);
+        scope.spawn(move || rows.chunks(GROUP).try_for_each(|rows| send.send(group(rows))));
+        groups.into_iter().try_for_each(|values| table.group(values))
+    })?;
     table.finish()?;
     Ok(std::mem::take(table.output()))
 }
