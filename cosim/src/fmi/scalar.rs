@@ -16,7 +16,7 @@ use crate::texts;
 /// | Real | of the `f64` |
 /// | Integer, Enumeration | of the `i64`, which also holds the wider integers of FMI 3.0 |
 /// | Boolean | 0 or 1 |
-/// | String | its number in a table of this process ([`texts`](crate::texts)) |
+/// | String | its number in a table of this process ([`texts`]) |
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(from = "[u8; 8]", into = "[u8; 8]")]
 #[repr(transparent)]
@@ -137,7 +137,7 @@ impl From<&Value> for Scalar {
     }
 }
 
-/// Little-endian, for snapshots and messages; a String has no such form ([`texts`](crate::texts)).
+/// Little-endian, for snapshots and messages; a String has no such form ([`texts`]).
 impl From<Scalar> for [u8; 8] {
     fn from(scalar: Scalar) -> Self {
         scalar.0.to_le_bytes()
