@@ -184,8 +184,8 @@ fn fence(session: &zenoh::Session) {
     assert!(asked.wait().unwrap().recv().is_ok());
 }
 
-/// A pattern of keys gives no more rights than each key in it: nobody reaches the keys of others by
-/// a pattern that includes them.
+/// A pattern of keys gives no more rights than each key in it: no member reaches the keys of others
+/// by a pattern that includes them.
 #[test]
 fn patterns_give_no_rights_to_the_keys_in_them() {
     let folder = keys();
