@@ -89,6 +89,13 @@ pub(crate) struct Node {
     pub trends: Vec<usize>,
 }
 
+/// Recorded columns of one type whose values are side by side.
+#[derive(Debug, Clone)]
+pub(crate) struct Columns {
+    slots: Range<usize>,
+    basic: Basic,
+}
+
 /// The layout of a system.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct Plan {
@@ -103,8 +110,9 @@ pub(crate) struct Plan {
     pub ramps: Vec<RampWay>,
     pub values: usize,
     pub inputs: usize,
-    /// Slot of each recorded column, and its type.
-    pub columns: Vec<(usize, Basic)>,
+    /// Slots of the recorded columns in order; workers record nothing.
+    #[serde(skip)]
+    pub columns: Vec<Columns>,
     /// Slots in `values` and in `inputs` that hold Strings.
     pub value_texts: Vec<usize>,
     pub input_texts: Vec<usize>,
@@ -148,9 +156,19 @@ impl Plan {
         for node in &mut plan.nodes {
             node.ramped = !node.ramps.is_empty();
         }
-        let column = |column: &Column| Some((plan.value_slot(column.port)?, column.kind.basic()));
-        plan.columns = system.columns().iter().filter_map(column).collect();
+        plan.add_columns(system.columns());
         plan
+    }
+
+    fn add_columns(&mut self, columns: &[Column]) {
+        for column in columns {
+            let Some(slot) = self.value_slot(column.port) else { continue };
+            let basic = column.kind.basic();
+            match self.columns.last_mut() {
+                Some(last) if last.basic == basic && last.slots.end == slot => last.slots.end += 1,
+                _ => self.columns.push(Columns { slots: slot..slot + 1, basic }),
+            }
+        }
     }
 
     /// The part for the components `own`, in this order, with the same slots. A loop must be
@@ -211,9 +229,18 @@ impl Plan {
 
     /// The recorded values as numbers ([`Scalar::number`]).
     #[inline]
-    pub(crate) fn row(&self, values: &[Scalar], row: &mut [f64]) {
-        for (number, &(slot, basic)) in row.iter_mut().zip(&self.columns) {
-            *number = values[slot].number(basic);
+    pub(crate) fn row(&self, values: &[Scalar], mut row: &mut [f64]) {
+        for Columns { slots, basic } in &self.columns {
+            let (numbers, rest) = row.split_at_mut(slots.len());
+            let values = &values[slots.clone()];
+            match basic {
+                Basic::Real => numbers.copy_from_slice(Scalar::reals(values)),
+                basic => numbers
+                    .iter_mut()
+                    .zip(values)
+                    .for_each(|(number, value)| *number = value.number(*basic)),
+            }
+            row = rest;
         }
     }
 
