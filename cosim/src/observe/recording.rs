@@ -42,7 +42,7 @@ impl PartialEq for Recording {
 }
 
 /// Number of rows in a block.
-const BLOCK: usize = 64;
+const BLOCK: usize = 16;
 
 impl Recording {
     /// A recording without values.
