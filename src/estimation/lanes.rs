@@ -292,7 +292,7 @@ fn factorize<const N: usize, const L: usize>(p: &[[f64; N]; N], positive: &mut b
 }
 }
 
-/// How many hypotheses a monitor has: as many as one row of a matrix leaves in registers.
+/// How many hypotheses a monitor has; a sum for each of them fits into the registers.
 pub(super) const HYPOTHESES: usize = 96;
 
 /// A vector for each hypothesis: column i contains their components i. Single precision is enough to
