@@ -21,8 +21,9 @@ use crate::vehicle::Parameters;
 /// Capacity for the states of the inertial, dynamic and constant-acceleration filters: 15 and the
 /// sensor states.
 pub const BASIC_STATES: usize = 20;
-/// Capacity for the states of the model-aided filter.
-pub const AIDED_STATES: usize = 34;
+/// Capacity for the states of the model-aided filter: 29 and the sensor states. Like the other one a
+/// multiple of four, for whole vectors.
+pub const AIDED_STATES: usize = 36;
 
 /// The dynamic filter with a thruster monitor.
 pub type DynamicFilter = Filter<PlanarDynamic, BASIC_STATES, ThrusterMonitor<BASIC_STATES>>;

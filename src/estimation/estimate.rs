@@ -143,6 +143,7 @@ pub(super) fn describe<P: Process<N>, const N: usize>(
 }
 
 /// An estimate without channels and thrusters.
+#[inline(always)]
 pub(super) fn estimate(motion: &Motion, spread: &Spread) -> Estimate {
     let Spread { covariance, velocity_sigma, current } = *spread;
     Estimate {

@@ -84,8 +84,9 @@ pub(super) struct Sequence {
     pub(super) weights: [[f64; 3]; 3],
     /// `L^-1 y`.
     pub(super) innovation: [f64; 3],
-    /// D.
+    /// D, and its inverse.
     pub(super) variance: [f64; 3],
+    pub(super) share: [f64; 3],
 }
 
 impl Sequence {
@@ -96,28 +97,28 @@ impl Sequence {
         observation: &Observation<N>,
         inflation: f64,
     ) -> Option<Self> {
-        let Self { mut weights, mut innovation, mut variance } = Self::default();
+        let Self { mut weights, mut innovation, mut variance, mut share } = Self::default();
         for i in 0..observation.size {
             let mut own = predicted[(i, i)] + observation.variance[i] * inflation;
             let mut y = observation.innovation[i];
             for k in 0..i {
                 let mut shared = predicted[(i, k)];
                 (0..k).for_each(|j| shared -= weights[i][j] * weights[k][j] * variance[j]);
-                weights[i][k] = shared / variance[k];
+                weights[i][k] = shared * share[k];
                 own -= weights[i][k] * shared;
                 y -= weights[i][k] * innovation[k];
             }
             if own.is_nan() || own <= 0.0 {
                 return None;
             }
-            (innovation[i], variance[i]) = (y, own);
+            (innovation[i], variance[i], share[i]) = (y, own, 1.0 / own);
         }
-        Some(Self { weights, innovation, variance })
+        Some(Self { weights, innovation, variance, share })
     }
 
     /// `y^T S^-1 y`.
     fn nis(&self, size: usize) -> f64 {
-        (0..size).map(|i| self.innovation[i] * self.innovation[i] / self.variance[i]).sum()
+        (0..size).map(|i| self.innovation[i] * self.innovation[i] * self.share[i]).sum()
     }
 }
 
@@ -137,6 +138,42 @@ pub struct Verdict<const N: usize> {
 }
 
 impl<const N: usize> Verdict<N> {
+    /// Not judged yet.
+    pub(super) fn new() -> Self {
+        Self {
+            correlations: [Column::zeros(); 3],
+            sequence: None,
+            sigma: [0.0; 3],
+            nis: f64::INFINITY,
+            inflation: 1.0,
+        }
+    }
+
+    /// Compares an observation with its prediction, once; `gate` bounds its NIS, infinity accepts
+    /// everything.
+    pub(super) fn judge(&mut self, belief: &Belief<N>, observation: &Observation<N>, gate: f64) {
+        let n = observation.size;
+        let correlations = &mut self.correlations;
+        belief.correlate_all(&observation.rows[..n], correlations);
+        let mut predicted = Matrix3::zeros();
+        for i in 0..n {
+            for j in 0..=i {
+                predicted[(i, j)] = observation.rows[i].dot(&correlations[j]);
+            }
+            self.sigma[i] = (predicted[(i, i)] + observation.variance[i]).sqrt();
+        }
+        let sequence = |inflation: f64| Sequence::new(&predicted, observation, inflation);
+        let nis = |sequence: &Option<Sequence>| {
+            sequence.as_ref().map_or(f64::INFINITY, |sequence| sequence.nis(n))
+        };
+        self.sequence = sequence(1.0);
+        self.nis = nis(&self.sequence);
+        if self.nis.is_nan() || self.nis > gate {
+            self.inflation = limit(self.nis, gate, |inflation| nis(&sequence(inflation)));
+            self.sequence = sequence(self.inflation);
+        }
+    }
+
     /// Whether the influence of the measurement is limited.
     #[must_use]
     pub fn is_limited(&self) -> bool {
@@ -155,13 +192,14 @@ pub fn fuse<const N: usize>(
     gate: f64,
     witness: &mut impl Witness<N>,
 ) -> Column<N> {
-    let mut verdict = judge(belief, observation, gate);
+    let mut verdict = Verdict::new();
+    verdict.judge(belief, observation, gate);
     absorb(belief, observation, &mut verdict, witness)
 }
 
 /// Fuses an observation that has been evaluated; its correlations become gains. If its innovation
 /// would have no variance, nothing changes.
-pub fn absorb<const N: usize>(
+pub(super) fn absorb<const N: usize>(
     belief: &mut Belief<N>,
     observation: &Observation<N>,
     verdict: &mut Verdict<N>,
@@ -187,35 +225,6 @@ pub fn absorb<const N: usize>(
         _ => belief.condense(&[update(0), update(1), update(2)]),
     }
     correction
-}
-
-/// Compares an observation with its prediction; `gate` bounds its NIS, infinity accepts everything.
-pub fn judge<const N: usize>(
-    belief: &Belief<N>,
-    observation: &Observation<N>,
-    gate: f64,
-) -> Verdict<N> {
-    let n = observation.size;
-    let mut correlations = [Column::zeros(); 3];
-    belief.correlate_all(&observation.rows[..n], &mut correlations);
-    let mut predicted = Matrix3::zeros();
-    let mut sigma = [0.0; 3];
-    for i in 0..n {
-        for j in 0..=i {
-            predicted[(i, j)] = observation.rows[i].dot(&correlations[j]);
-        }
-        sigma[i] = (predicted[(i, i)] + observation.variance[i]).sqrt();
-    }
-    let sequence = |inflation: f64| Sequence::new(&predicted, observation, inflation);
-    let nis = |sequence: &Option<Sequence>| sequence.map_or(f64::INFINITY, |s| s.nis(n));
-    let plain = sequence(1.0);
-    let verdict =
-        Verdict { correlations, sequence: plain, sigma, nis: nis(&plain), inflation: 1.0 };
-    if verdict.nis <= gate {
-        return verdict;
-    }
-    let high = limit(verdict.nis, gate, |inflation| nis(&sequence(inflation)));
-    Verdict { sequence: sequence(high), inflation: high, ..verdict }
 }
 
 /// The factor on the noise that brings a NIS of `plain` down to the gate.

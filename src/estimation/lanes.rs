@@ -1,24 +1,27 @@
 //! The innermost loops of a filter: over the covariance, and over the hypotheses of a monitor.
 //!
-//! Their lengths are constants, and they are also compiled for 256-bit vectors, for processors that
-//! support them. Each element of a result comes from the same operations in the same order at any
-//! width, and none is fused, so all processors give the same bits.
+//! Their lengths are constants, and they are also compiled for vectors of 256 and 512 bits, for
+//! processors that support them. Each element of a result comes from the same operations in the same
+//! order at any width, and none is fused, so all processors give the same bits.
+//!
+//! Outer loops run over a set of states: over a range, the compiler would make vectors of what is far
+//! apart in memory.
 #![allow(unsafe_code, reason = "code for wide vectors is called where the processor has them")]
 
 use core::ops::{AddAssign, Mul};
 
-use nalgebra::SMatrix;
+use nalgebra::{SMatrix, SVector};
 
-use super::belief::{Column, Row};
+use super::belief::{Column, Row, states_in};
 use super::kalman::Sequence;
-use super::transition::{ROWS, Transition};
+use super::transition::{GROUPS, Group, Transition};
 
 /// Matrices of up to this many rows are too small for a wide vector to pay for the check.
 #[cfg(target_arch = "x86_64")]
 const SMALL: usize = 4;
 
-/// Defines a function that is compiled twice, for any processor and for wide vectors; the first
-/// constant is the size of the matrix.
+/// Defines a function that is compiled for any processor and for wide vectors; the first constant is
+/// the size of the matrix.
 macro_rules! for_any_width {
     (
         $(#[$doc:meta])*
@@ -36,10 +39,21 @@ macro_rules! for_any_width {
                     narrow::<$size $(, $n)*>($($arg),*);
                 }
 
-                if $size > SMALL && std::arch::is_x86_feature_detected!("avx2") {
-                    // SAFETY: the processor supports the features that `wide` is compiled for.
-                    unsafe { wide::<$size $(, $n)*>($($arg),*) };
-                    return;
+                #[target_feature(enable = "avx512f,avx512vl")]
+                fn widest<const $size: usize $(, const $n: usize)*>($($arg: $of),*) {
+                    narrow::<$size $(, $n)*>($($arg),*);
+                }
+
+                use std::arch::is_x86_feature_detected as has;
+                if $size > SMALL {
+                    // SAFETY: the processor supports the features that the called one is compiled for.
+                    unsafe {
+                        if has!("avx512f") && has!("avx512vl") {
+                            return widest::<$size $(, $n)*>($($arg),*);
+                        } else if has!("avx2") {
+                            return wide::<$size $(, $n)*>($($arg),*);
+                        }
+                    }
                 }
             }
             narrow::<$size $(, $n)*>($($arg),*);
@@ -50,12 +64,13 @@ macro_rules! for_any_width {
 /// Calls a function with the smallest of a few constants that is not below `$order`, as its second
 /// argument.
 ///
-/// The orders of the filters without optional states of the velocity log are 16 and 30.
+/// The orders of the filters without optional states of the velocity log are 16 and 30; vectors have
+/// a multiple of four elements.
 macro_rules! with_length {
     ($order:expr, $n:ident, $call:ident $(::<$more:ident>)? ($($arg:expr),* $(,)?)) => {
         match $order {
             ..=16 if $n > 16 => $call::<$n, 16 $(, $more)?>($($arg),*),
-            17..=30 if $n > 30 => $call::<$n, 30 $(, $more)?>($($arg),*),
+            17..=32 if $n > 32 => $call::<$n, 32 $(, $more)?>($($arg),*),
             _ => $call::<$n, $n $(, $more)?>($($arg),*),
         }
     };
@@ -63,9 +78,11 @@ macro_rules! with_length {
 pub(super) use with_length;
 
 for_any_width! {
-/// `P <- P - sum_k s_k K_k K_k^T` with gains K and variances s, for the first `L` rows and columns.
+/// `P <- P - sum_k s_k K_k K_k^T` with gains K and variances s, for a set of states among the first
+/// `L`.
 fn reduce<const N: usize, const L: usize, const K: usize>(
     p: &mut [[f64; N]; N],
+    states: u64,
     updates: &[(&Column<N>, f64); K],
 ) {
     let mut g = [[0.0; L]; K];
@@ -75,7 +92,7 @@ fn reduce<const N: usize, const L: usize, const K: usize>(
             g[k][i] = gain[i] * root;
         }
     }
-    for j in 0..L {
+    for j in states_in(states) {
         let own: [f64; K] = core::array::from_fn(|k| g[k][j]);
         let column = &mut p[j];
         for i in 0..L {
@@ -144,7 +161,7 @@ fn weigh<const N: usize, const L: usize>(
                 rest[i] -= weight * earlier[i];
             }
         }
-        let (share, innovation) = (1.0 / sequence.variance[k], sequence.innovation[k]);
+        let (share, innovation) = (sequence.share[k], sequence.innovation[k]);
         for i in 0..L {
             let gain = rest[i] * share;
             column[i] = gain;
@@ -171,50 +188,73 @@ fn correlate<const N: usize, const L: usize>(
 }
 
 for_any_width! {
-/// `P <- F P F^T`, for the first `L` rows and columns; at most `A` states have a row in F.
-fn propagate<const N: usize, const L: usize, const A: usize>(
-    p: &mut [[f64; N]; N],
-    f: &Transition<N>,
-) {
-    // Columns of P F^T for the states that have a row.
-    let mut states = [0; A];
-    let mut changed = [[0.0; L]; A];
-    for (((state, elements), of), column) in f.rows().zip(&mut states).zip(&mut changed) {
-        *of = state;
-        *column = combine(p, elements);
+/// `P <- F P F^T`, for the first `L` rows and columns.
+fn propagate<const N: usize, const L: usize>(p: &mut [[f64; N]; N], f: &Transition<N>) {
+    // Rows of F P for the states of the groups, and as columns those of P F^T.
+    let mut changed = [[[0.0; L]; 3]; GROUPS];
+    for (group, rows) in f.groups().iter().zip(&mut changed) {
+        let whole = L - L % 16;
+        for from in (0..whole).step_by(16) {
+            let sums = combine_three::<N, 16>(p, group, from);
+            (0..3).for_each(|r| rows[r][from..from + 16].copy_from_slice(&sums[r]));
+        }
+        for from in (whole..L).step_by(4).map(|from| from.min(L - 4)) {
+            let sums = combine_three::<N, 4>(p, group, from);
+            (0..3).for_each(|r| rows[r][from..from + 4].copy_from_slice(&sums[r]));
+        }
     }
-    let mut factors = [1.0; L];
+    for (group, rows) in f.groups().iter().zip(&changed) {
+        for (state, row) in group.states().zip(rows) {
+            for k in 0..L {
+                p[k][state] = row[k];
+            }
+        }
+    }
+    // F times these columns, where they meet the rows of groups.
+    for (b, group) in f.groups().iter().enumerate() {
+        for (a, other) in f.groups()[..=b].iter().enumerate() {
+            let from = other.states().start.min(N - 4);
+            let sums = combine_three::<N, 4>(p, group, from);
+            for (r, i) in group.states().enumerate() {
+                // Symmetric to the last bit.
+                for (c, j) in other.states().enumerate().filter(|(_, j)| *j <= i || a < b) {
+                    changed[b][r][j] = sums[r][j - from];
+                    changed[a][c][i] = sums[r][j - from];
+                }
+            }
+        }
+    }
+    for (group, rows) in f.groups().iter().zip(&changed) {
+        for (state, row) in group.states().zip(rows) {
+            p[state][..L].copy_from_slice(row);
+        }
+    }
     for (i, factor) in f.scaled() {
-        factors[i] = factor;
         for j in 0..L {
             p[i][j] *= factor;
             p[j][i] *= factor;
         }
     }
-    // The product with F from the left: for states without a row it is a factor, ...
-    let states = &states[..f.rows().count().min(A)];
-    for (&i, column) in states.iter().zip(&changed) {
-        for j in 0..L {
-            let value = factors[j] * column[j];
-            p[i][j] = value;
-            p[j][i] = value;
-        }
-    }
-    // ... and for states with a row a sum.
-    let mut turned = [[0.0; A]; L];
-    for k in 0..L {
-        for a in 0..A {
-            turned[k][a] = changed[a][k];
-        }
-    }
-    for (b, (j, elements)) in f.rows().enumerate() {
-        let sum: [f64; A] = combine(&turned, elements);
-        for (&i, &value) in states.iter().zip(&sum).take(b + 1) {
-            p[i][j] = value;
-            p[j][i] = value;
-        }
-    }
 }
+}
+
+/// The rows of a group of F times `W` columns of a matrix.
+#[inline(always)]
+fn combine_three<const N: usize, const W: usize>(
+    rows: &[[f64; N]; N],
+    group: &Group<N>,
+    from: usize,
+) -> [[f64; W]; 3] {
+    let mut sums = [[0.0; W]; 3];
+    for (k, by) in group.iter() {
+        let row = &rows[k][from..from + W];
+        for r in 0..3 {
+            for i in 0..W {
+                sums[r][i] += by[r] * row[i];
+            }
+        }
+    }
+    sums
 }
 
 for_any_width! {
@@ -252,28 +292,58 @@ fn factorize<const N: usize, const L: usize>(p: &[[f64; N]; N], positive: &mut b
 }
 }
 
-/// How many hypotheses are processed at a time.
-pub(super) const CHUNK: usize = 32;
+/// How many hypotheses a monitor has; a sum for each of them fits into the registers.
+pub(super) const HYPOTHESES: usize = 96;
 
-/// A vector for each of `CHUNK` hypotheses: column i contains their components i. Single precision
-/// is enough to distinguish them.
-pub(super) type Chunk<const N: usize> = SMatrix<f32, CHUNK, N>;
+/// A vector for each hypothesis: column i contains their components i. Single precision is enough to
+/// distinguish them.
+pub(super) type Vectors<const N: usize> = SMatrix<f32, HYPOTHESES, N>;
+/// A number for each hypothesis.
+pub(super) type Numbers = SVector<f32, HYPOTHESES>;
 
 for_any_width! {
-/// `v <- F v` of many vectors at once.
-fn advance<const N: usize>(chunks: &mut [Chunk<N>], f: &Transition<N>) {
-    let mut changed = [[0.0_f32; CHUNK]; ROWS];
-    for chunk in chunks {
-        let v = &mut chunk.data.0;
-        for ((_, elements), changed) in f.rows().zip(&mut changed) {
-            *changed = combine(v, elements);
+/// `v <- F v` of many vectors v at once.
+fn advance<const N: usize>(vectors: &mut Vectors<N>, f: &Transition<N>) {
+    let v = &mut vectors.data.0;
+    let mut changed = [[[0.0_f32; HYPOTHESES]; 3]; GROUPS];
+    for (group, changed) in f.groups().iter().zip(&mut changed) {
+        for (r, changed) in changed.iter_mut().enumerate().take(group.states().len()) {
+            *changed = combine(v, group.row(r));
         }
-        for ((state, _), changed) in f.rows().zip(&changed) {
-            v[state] = *changed;
-        }
-        for (state, factor) in f.scaled() {
-            let factor = factor as f32;
-            v[state].iter_mut().for_each(|x| *x *= factor);
+    }
+    for (group, changed) in f.groups().iter().zip(&changed) {
+        group.states().zip(changed).for_each(|(state, changed)| v[state] = *changed);
+    }
+    for (state, factor) in f.scaled() {
+        let factor = factor as f32;
+        v[state].iter_mut().for_each(|x| *x *= factor);
+    }
+}
+}
+
+/// The same numbers for the thrusters of each restart.
+#[inline(always)]
+fn for_each_restart<const T: usize>(thrusters: [f32; T]) -> [f32; HYPOTHESES] {
+    let mut all = [0.0; HYPOTHESES];
+    all.chunks_exact_mut(T).for_each(|restart| restart.copy_from_slice(&thrusters));
+    all
+}
+
+for_any_width! {
+/// `v <- v - B i` of a set of states of many vectors v, with the effects B of the `T` thrusters and the
+/// impulses i that they lose.
+fn drive<const N: usize, const T: usize>(
+    vectors: &mut Vectors<N>,
+    states: u64,
+    effect: &SMatrix<f64, T, N>,
+    impulses: &[f64; T],
+) {
+    for state in states_in(states) {
+        let own = &effect.data.0[state];
+        let changes = for_each_restart::<T>(core::array::from_fn(|i| (own[i] * impulses[i]) as f32));
+        let v = &mut vectors.data.0[state];
+        for i in 0..HYPOTHESES {
+            v[i] -= changes[i];
         }
     }
 }
@@ -290,32 +360,29 @@ pub(super) struct Heard<'a, const N: usize, const T: usize> {
 }
 
 for_any_width! {
-/// `r = h^T V + direct`, `C += r y / S`, `J += r^2 / S`, `V -= K r` of many vectors V at once; `T` divides
-/// the length of a chunk.
+/// `r = h^T V + direct`, `C += r y / S`, `J += r^2 / S`, `V -= K r` of many vectors V at once, which
+/// repeat the order of the `T` thrusters.
 fn hear<const N: usize, const T: usize>(
-    chunks: &mut [Chunk<N>],
-    c: &mut [f32],
-    j: &mut [f32],
+    vectors: &mut Vectors<N>,
+    c: &mut Numbers,
+    j: &mut Numbers,
     heard: &Heard<'_, N, T>,
 ) {
-    let direct: [f32; CHUNK] = core::array::from_fn(|i| heard.direct[i % T] as f32);
+    let v = &mut vectors.data.0;
+    let mut response: [f32; HYPOTHESES] = combine(v, heard.row.iter());
+    let direct = for_each_restart(heard.direct.map(|effect| effect as f32));
     let (by_innovation, by_response) =
         ((heard.innovation / heard.s) as f32, (1.0 / heard.s) as f32);
-    let sums = c.chunks_exact_mut(CHUNK).zip(j.chunks_exact_mut(CHUNK));
-    for (chunk, (c, j)) in chunks.iter_mut().zip(sums) {
-        let v = &mut chunk.data.0;
-        let mut response: [f32; CHUNK] = combine(v, heard.row.iter());
-        for i in 0..CHUNK {
-            response[i] += direct[i];
-            c[i] += by_innovation * response[i];
-            j[i] += response[i] * response[i] * by_response;
-        }
-        let states = v.iter_mut().zip(heard.gain.as_slice());
-        for (column, &gain) in states.filter(|(_, gain)| **gain != 0.0) {
-            let gain = gain as f32;
-            for i in 0..CHUNK {
-                column[i] -= gain * response[i];
-            }
+    for i in 0..HYPOTHESES {
+        response[i] += direct[i];
+        c[i] += by_innovation * response[i];
+        j[i] += response[i] * response[i] * by_response;
+    }
+    let states = v.iter_mut().zip(heard.gain.as_slice());
+    for (column, &gain) in states.filter(|(_, gain)| **gain != 0.0) {
+        let gain = gain as f32;
+        for i in 0..HYPOTHESES {
+            column[i] -= gain * response[i];
         }
     }
 }
@@ -343,7 +410,7 @@ mod tests {
             core::array::from_fn(|k| core::array::from_fn(|i| number(i, k + 50)));
         let mut reduced = p;
         let gains = g.map(Column::from);
-        reduce::<N, 16, 2>(&mut reduced, &[(&gains[0], 1.0), (&gains[1], 1.0)]);
+        reduce::<N, 16, 2>(&mut reduced, 0xffff, &[(&gains[0], 1.0), (&gains[1], 1.0)]);
         let mut row = Row::zeros();
         [2, 5, 13].iter().for_each(|&state| row[state] = number(state, 70));
         let mut correlation = [Column::zeros()];
@@ -362,7 +429,7 @@ mod tests {
 
     #[test]
     fn propagation_is_that_of_the_dense_matrix_and_symmetric() {
-        for rows in [0, 1, 4, 5, 12, 13, 16] {
+        for rows in [0, 1, 2, 4, 5, 8, 9] {
             let mut f = Transition::<N>::identity();
             for i in 0..rows {
                 f.set_row(i, [(i, 0.9), (i + 2, number(i, 3)), (19, number(i, 4))]);

@@ -12,24 +12,20 @@
 //! The share is estimated as C/J, its log-likelihood ratio against no loss is C^2/(2 J). Willsky &
 //! Jones (1976); Basseville & Nikiforov (1993) ch. 7.2.
 
-use nalgebra::SVector;
+use nalgebra::SMatrix;
 use serde::{Deserialize, Serialize};
 
 use super::belief::{Column, Row};
 use super::interval::Interval;
 use super::kalman::Witness;
-use super::lanes::{CHUNK, Chunk, Heard, advance, hear};
+use super::lanes::{HYPOTHESES, Heard, Numbers, Vectors, advance, drive, hear};
 use super::transition::Transition;
 
 /// Restarts kept; one a second, so losses up to this many seconds old are distinguished.
-const RESTARTS: usize = 12;
+const RESTARTS: usize = HYPOTHESES / THRUSTERS;
 /// Seconds between restarts.
 const SPACING: f64 = 1.0;
 const THRUSTERS: usize = 8;
-const HYPOTHESES: usize = RESTARTS * THRUSTERS;
-
-/// One number for each hypothesis: the thrusters of restart 0, of restart 1, ...
-type Lanes = SVector<f32, HYPOTHESES>;
 
 /// A thruster found to have lost thrust.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,29 +56,32 @@ pub trait Monitor<const N: usize>: Witness<N> + Copy + Default {
 
 impl<const N: usize> Monitor<N> for () {}
 
-/// The bank.
+/// The bank; hypotheses are the thrusters of restart 0, of restart 1, ...
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ThrusterMonitor<const N: usize> {
     /// Errors of the states under each hypothesis.
-    errors: [Chunk<N>; HYPOTHESES / CHUNK],
-    c: Lanes,
-    j: Lanes,
+    errors: Vectors<N>,
+    c: Numbers,
+    j: Numbers,
     restarted: f64,
     next: usize,
     direct: [f64; THRUSTERS],
-    effect: [Column<N>; THRUSTERS],
+    /// Effect of one newton of each thruster on the states per second, and the states it acts on.
+    effect: SMatrix<f64, THRUSTERS, N>,
+    affected: u64,
 }
 
 impl<const N: usize> Default for ThrusterMonitor<N> {
     fn default() -> Self {
         Self {
-            errors: [Chunk::zeros(); HYPOTHESES / CHUNK],
-            c: Lanes::zeros(),
-            j: Lanes::zeros(),
+            errors: Vectors::zeros(),
+            c: Numbers::zeros(),
+            j: Numbers::zeros(),
             restarted: f64::NEG_INFINITY,
             next: 0,
             direct: [0.0; THRUSTERS],
-            effect: [Column::zeros(); THRUSTERS],
+            effect: SMatrix::zeros(),
+            affected: 0,
         }
     }
 }
@@ -96,33 +95,38 @@ const SHARES: core::ops::Range<f64> = 0.35..1.4;
 
 impl<const N: usize> Monitor<N> for ThrusterMonitor<N> {
     fn prepare(&mut self, effect: &[Column<N>; THRUSTERS]) {
-        self.effect = *effect;
+        self.effect = SMatrix::from_fn(|i, state| effect[i][state]);
+        let acts = |state: usize| self.effect.column(state).iter().any(|&by| by != 0.0);
+        self.affected = (0..N).filter(|&state| acts(state)).fold(0, |set, state| set | 1 << state);
     }
 
     fn judge(&mut self, now: f64) -> Option<Alarm<N>> {
-        let best = (0..HYPOTHESES)
-            // C^2/J without a division, because nearly all are below.
-            .filter(|&k| self.c[k] * self.c[k] > THRESHOLD * self.j[k])
-            .filter(|&k| SHARES.contains(&self.share(k)))
-            .max_by(|&a, &b| self.ratio(a).total_cmp(&self.ratio(b)));
-        if let Some(k) = best {
+        // C^2/J without a division; nearly always all are below.
+        let above = |k: usize| self.c[k] * self.c[k] > THRESHOLD * self.j[k];
+        let best = || {
+            (0..HYPOTHESES)
+                .filter(|&k| above(k) && SHARES.contains(&self.share(k)))
+                .max_by(|&a, &b| self.ratio(a).total_cmp(&self.ratio(b)))
+        };
+        let any = (0..HYPOTHESES).fold(false, |any, k| any | above(k));
+        if let Some(k) = any.then(best).flatten() {
             let share = self.share(k);
-            let error = self.errors[k / CHUNK].row(k % CHUNK).transpose().map(f64::from);
+            let error = self.errors.row(k).transpose().map(f64::from);
             let alarm = Alarm {
                 thruster: k % THRUSTERS,
                 share: share.min(1.0),
                 correction: error * share,
                 widening: error / f64::from(self.j[k]).sqrt(),
             };
-            let effect = self.effect;
-            *self = Self { effect, restarted: now, ..Self::default() };
+            let Self { effect, affected, .. } = *self;
+            *self = Self { effect, affected, restarted: now, ..Self::default() };
             return Some(alarm);
         }
         if now - self.restarted >= SPACING {
             self.restarted = now;
             let from = self.next * THRUSTERS;
             self.next = (self.next + 1) % RESTARTS;
-            self.errors[from / CHUNK].rows_mut(from % CHUNK, THRUSTERS).fill(0.0);
+            self.errors.rows_mut(from, THRUSTERS).fill(0.0);
             self.c.rows_mut(from, THRUSTERS).fill(0.0);
             self.j.rows_mut(from, THRUSTERS).fill(0.0);
         }
@@ -149,17 +153,8 @@ impl<const N: usize> Witness<N> for ThrusterMonitor<N> {
 
     fn driven(&mut self, interval: &Interval) {
         let Some(thrusts) = &interval.thrust else { return };
-        for state in 0..N {
-            let change = |i: usize| self.effect[i][state] * thrusts.mean[i] * interval.dt;
-            let change: [f32; THRUSTERS] = core::array::from_fn(|i| change(i) as f32);
-            if change.iter().any(|&c| c != 0.0) {
-                for chunk in &mut self.errors {
-                    for restart in chunk.data.0[state].chunks_exact_mut(THRUSTERS) {
-                        restart.iter_mut().zip(&change).for_each(|(error, by)| *error -= by);
-                    }
-                }
-            }
-        }
+        let impulses = thrusts.mean.map(|thrust| thrust * interval.dt);
+        drive(&mut self.errors, self.affected, &self.effect, &impulses);
     }
 
     fn direct(&mut self, effect: [f64; THRUSTERS]) {
@@ -169,6 +164,6 @@ impl<const N: usize> Witness<N> for ThrusterMonitor<N> {
     fn updated(&mut self, row: &Row<N>, gain: &Column<N>, innovation: f64, s: f64) {
         let direct = core::mem::take(&mut self.direct);
         let heard = Heard { row, gain, innovation, s, direct: &direct };
-        hear(&mut self.errors, self.c.as_mut_slice(), self.j.as_mut_slice(), &heard);
+        hear(&mut self.errors, &mut self.c, &mut self.j, &heard);
     }
 }

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::belief::{Belief, Column};
 use super::interval::{Inertial, Interval, SAME, Stream, Thrusts};
-use super::kalman::{Both, GATE, Verdict, Witness, absorb, fuse, judge};
+use super::kalman::{Both, GATE, Verdict, Witness, absorb, fuse};
 use super::kinematics::{Kinematics, Motion, skew};
 use super::measurement::{Event, Key, Kind};
 use super::monitor::Monitor;
@@ -346,7 +346,8 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
             witness.predicted(&f);
         }
         let gate = if setup.parameters.gated { GATE[observation.size - 1] } else { f64::INFINITY };
-        let mut verdict = judge(&self.belief, &observation, gate);
+        let mut verdict = Verdict::new();
+        verdict.judge(&self.belief, &observation, gate);
         let record = &mut self.records[channel as usize];
         record.note(&observation, &verdict, self.time);
         if record.agreement.hear(channel, &observation, verdict.is_limited()) {
@@ -386,22 +387,20 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
 
     /// The motion at an instant after the track's, from the newest samples.
     pub(super) fn motion_at<P: Process<N>>(&self, setup: &Setup<P>, now: f64) -> Motion {
-        let motion = setup.process.motion(&self.belief, &self.newest_interval(setup));
+        let interval = &self.interval;
+        let motion = match self.imu.so_far() {
+            None => setup.process.motion(&self.belief, interval),
+            Some(mean) => {
+                let [a, b, c, p, q, r] = mean.value;
+                let rate = [p, q, r];
+                let force = self.at_centre(setup, [a, b, c], rate, interval.dt);
+                let rate_end = [mean.end[3], mean.end[4], mean.end[5]];
+                let inertial = Some(Inertial { specific_force: force, rate, rate_end });
+                setup.process.motion(&self.belief, &Interval { inertial, ..*interval })
+            }
+        };
         let lag = now - self.time;
         if lag > SAME { motion.after(lag) } else { motion }
-    }
-
-    /// The interval since the last prediction, up to the newest samples.
-    fn newest_interval<P>(&self, setup: &Setup<P>) -> Interval {
-        let mut interval = self.interval;
-        if let Some(mean) = self.imu.so_far() {
-            let [a, b, c, p, q, r] = mean.value;
-            let rate = [p, q, r];
-            let force = self.at_centre(setup, [a, b, c], rate, self.interval.dt);
-            let rate_end = [mean.end[3], mean.end[4], mean.end[5]];
-            interval.inertial = Some(Inertial { specific_force: force, rate, rate_end });
-        }
-        interval
     }
 }
 

@@ -1,58 +1,91 @@
 //! The transition matrix F of a prediction, kept as its non-zero elements.
 //!
-//! Most states depend only on themselves; the cost of F P F^T is proportional to the other
-//! elements. Elements are given row by row.
+//! Most states depend only on themselves; the cost of F P F^T is proportional to the number of the
+//! others, which come in groups of three consecutive states, such as the axes of a vector.
 
-use nalgebra::{Matrix3, SMatrix};
+use nalgebra::{ArrayStorage, Matrix3, SMatrix, Vector3};
 
 use super::belief::{Column, states_in};
 use super::lanes::{propagate, with_length};
 
-/// Capacity for elements in rows.
-const ELEMENTS: usize = 160;
-/// Rows with more than a diagonal element.
-pub(super) const ROWS: usize = 16;
-/// Numbers of such rows for which code is generated: a change of one state, a prediction.
-const FEW: usize = 4;
-const MORE: usize = 12;
+/// Capacity for groups of states.
+pub(super) const GROUPS: usize = 3;
 
-/// F: a diagonal, and rows with more than that.
+/// F: a diagonal, and groups of rows with more than that.
 #[derive(Clone, Copy, Debug)]
 pub struct Transition<const N: usize> {
-    /// Zero for the states that have a row.
+    /// Zero for the states of the groups.
     diagonal: Column<N>,
-    rows: [Row; ROWS],
-    row_count: usize,
-    columns: [u8; ELEMENTS],
-    values: [f64; ELEMENTS],
-    element_count: usize,
-    /// Bit i: state i has no row, and its diagonal element is not one.
+    groups: [Group<N>; GROUPS],
+    group_count: usize,
+    /// Bit i: state i is in no group, and its diagonal element is not one.
     scaled: u64,
 }
 
-#[derive(Clone, Copy, Debug, Default)]
-struct Row {
-    state: u8,
-    from: u8,
-    to: u8,
+/// Rows of up to three consecutive states.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Group<const N: usize> {
+    /// The first state, and how many there are.
+    first: usize,
+    size: usize,
+    /// Derivatives of each by the states.
+    pub(super) rows: [[f64; N]; 3],
+    /// Bit i: a derivative by state i may be non-zero.
+    support: u64,
+}
+
+impl<const N: usize> Group<N> {
+    /// All of a transition's groups at once, so that one block of memory is cleared.
+    const NONE: [Self; GROUPS] =
+        [Self { first: 0, size: 0, rows: [[0.0; N]; 3], support: 0 }; GROUPS];
+
+    /// Its states.
+    #[inline(always)]
+    pub(super) fn states(&self) -> core::ops::Range<usize> {
+        self.first..self.first + self.size
+    }
+
+    /// The states with non-zero derivatives, each with the derivatives by it.
+    #[inline(always)]
+    pub(super) fn iter(&self) -> impl Iterator<Item = (usize, [f64; 3])> {
+        states_in(self.support).map(|state| (state, [0, 1, 2].map(|i| self.rows[i][state])))
+    }
+
+    /// The derivatives of one of its states by others, without zeros.
+    #[inline(always)]
+    pub(super) fn row(&self, i: usize) -> impl Iterator<Item = (usize, f64)> {
+        let row = &self.rows[i];
+        states_in(self.support).map(|state| (state, row[state])).filter(|(_, value)| *value != 0.0)
+    }
+
+    /// Sets the derivatives by three consecutive states.
+    #[inline(always)]
+    pub(super) fn set(&mut self, first: usize, by: &Matrix3<f64>) {
+        for (i, row) in self.rows.iter_mut().enumerate() {
+            row[first..first + 3].copy_from_slice(&[by[(i, 0)], by[(i, 1)], by[(i, 2)]]);
+        }
+        self.support |= 0b111 << first;
+    }
+
+    /// Sets the derivatives by one state.
+    #[inline(always)]
+    pub(super) fn set_column(&mut self, state: usize, by: &Vector3<f64>) {
+        (0..3).for_each(|i| self.rows[i][state] = by[i]);
+        self.support |= 1 << state;
+    }
 }
 
 impl<const N: usize> Transition<N> {
+    const ONES: Column<N> = Column::from_array_storage(ArrayStorage([[1.0; N]]));
+
     /// The identity: nothing changes.
     #[must_use]
+    #[inline]
     pub fn identity() -> Self {
-        Self {
-            diagonal: Column::repeat(1.0),
-            rows: [Row::default(); ROWS],
-            row_count: 0,
-            columns: [0; ELEMENTS],
-            values: [0.0; ELEMENTS],
-            element_count: 0,
-            scaled: 0,
-        }
+        Self { diagonal: Self::ONES, groups: Group::NONE, group_count: 0, scaled: 0 }
     }
 
-    /// A state that depends only on its own past, and has no row: `x <- factor x`.
+    /// A state that depends only on its own past, and is in no group: `x <- factor x`.
     pub fn scale(&mut self, state: usize, factor: f64) {
         self.diagonal[state] = factor;
         self.scaled |= 1 << state;
@@ -60,65 +93,60 @@ impl<const N: usize> Transition<N> {
 
     /// Sets the rows of three consecutive states: blocks of derivatives by three consecutive
     /// states, each given with the first of them.
+    ///
+    /// # Panics
+    /// If there are too many rows.
+    #[inline]
     pub fn set_rows<'a>(
         &mut self,
         state: usize,
-        blocks: impl IntoIterator<Item = &'a (usize, Matrix3<f64>)> + Clone,
+        blocks: impl IntoIterator<Item = &'a (usize, Matrix3<f64>)>,
     ) {
-        for i in state..state + 3 {
-            let from = self.element_count;
-            let mut own = 0.0;
-            for (first, by) in blocks.clone() {
-                for j in 0..3 {
-                    let value = by[(i - state, j)];
-                    if first + j == i { own += value } else { self.push(first + j, value) }
-                }
-            }
-            self.end_row(i, from, own);
-        }
+        let group = self.add_group(state, 3, 0);
+        blocks.into_iter().for_each(|(first, by)| group.set(*first, by));
     }
 
     /// Sets the row of a state: pairs of a state and the derivative by it. Rows are set once each.
+    ///
+    /// # Panics
+    /// If there are too many rows.
+    #[inline]
     pub fn set_row(&mut self, state: usize, row: impl IntoIterator<Item = (usize, f64)>) {
-        let from = self.element_count;
-        let mut own = 0.0;
+        let last = self.groups().last();
+        let group = match last.filter(|g| g.size < 3 && g.states().end == state) {
+            Some(_) => &mut self.groups[self.group_count - 1],
+            None => self.add_group(state, 0, 0),
+        };
+        let own = group.size;
+        group.size += 1;
         for (column, value) in row {
-            if column == state { own += value } else { self.push(column, value) }
+            group.rows[own][column] = value;
+            group.support |= 1 << column;
         }
-        self.end_row(state, from, own);
-    }
-
-    fn end_row(&mut self, state: usize, from: usize, own: f64) {
-        self.push(state, own);
         self.diagonal[state] = 0.0;
-        if self.row_count < ROWS {
-            let (from, to) = (from as u8, self.element_count as u8);
-            self.rows[self.row_count] = Row { state: state as u8, from, to };
-            self.row_count += 1;
-        }
     }
 
-    fn push(&mut self, column: usize, value: f64) {
-        if value != 0.0 && self.element_count < ELEMENTS {
-            self.columns[self.element_count] = column as u8;
-            self.values[self.element_count] = value;
-            self.element_count += 1;
-        }
+    /// A group of up to three consecutive states, whose rows the caller fills in: derivatives by the
+    /// states of a set, where bit i is state i.
+    ///
+    /// # Panics
+    /// If there are too many rows.
+    #[inline]
+    pub(super) fn add_group(&mut self, first: usize, size: usize, support: u64) -> &mut Group<N> {
+        let group = &mut self.groups[self.group_count];
+        self.group_count += 1;
+        (group.first, group.size, group.support) = (first, size, support);
+        group.states().for_each(|state| self.diagonal[state] = 0.0);
+        group
     }
 
-    /// The states that have a row, each with its elements: a state and the derivative by it.
+    /// The groups of states that depend on others.
     #[inline(always)]
-    pub(super) fn rows(
-        &self,
-    ) -> impl Iterator<Item = (usize, impl Iterator<Item = (usize, f64)> + Clone)> {
-        self.rows[..self.row_count].iter().map(|row| {
-            let range = row.from as usize..row.to as usize;
-            let columns = self.columns[range.clone()].iter().map(|&column| column as usize);
-            (row.state as usize, columns.zip(self.values[range].iter().copied()))
-        })
+    pub(super) fn groups(&self) -> &[Group<N>] {
+        &self.groups[..self.group_count]
     }
 
-    /// The states that have no row, but a factor other than one.
+    /// The states in no group that have a factor other than one.
     #[inline(always)]
     pub(super) fn scaled(&self) -> impl Iterator<Item = (usize, f64)> {
         states_in(self.scaled).map(|state| (state, self.diagonal[state]))
@@ -128,9 +156,9 @@ impl<const N: usize> Transition<N> {
     #[must_use]
     pub fn dense(&self) -> SMatrix<f64, N, N> {
         let mut f = SMatrix::from_diagonal(&self.diagonal);
-        for (i, elements) in self.rows() {
-            for (j, value) in elements {
-                f[(i, j)] += value;
+        for group in self.groups() {
+            for (j, by) in group.iter() {
+                group.states().zip(by).for_each(|(i, value)| f[(i, j)] = value);
             }
         }
         f
@@ -140,8 +168,10 @@ impl<const N: usize> Transition<N> {
     #[must_use]
     pub fn apply(&self, v: &Column<N>) -> Column<N> {
         let mut result = self.diagonal.component_mul(v);
-        for (i, elements) in self.rows() {
-            result[i] += elements.map(|(j, value)| value * v[j]).sum::<f64>();
+        for group in self.groups() {
+            for (j, by) in group.iter() {
+                group.states().zip(by).for_each(|(i, value)| result[i] += value * v[j]);
+            }
         }
         result
     }
@@ -150,9 +180,9 @@ impl<const N: usize> Transition<N> {
     #[must_use]
     pub fn apply_transposed(&self, v: &Column<N>) -> Column<N> {
         let mut result = self.diagonal.component_mul(v);
-        for (i, elements) in self.rows() {
-            for (j, value) in elements {
-                result[j] += value * v[i];
+        for group in self.groups() {
+            for (j, by) in group.iter() {
+                group.states().zip(by).for_each(|(i, value)| result[j] += value * v[i]);
             }
         }
         result
@@ -161,13 +191,6 @@ impl<const N: usize> Transition<N> {
     /// `P <- F P F^T` of a symmetric P, in which only the first `order` rows and columns count; all
     /// others are zero.
     pub(super) fn propagate(&self, p: &mut SMatrix<f64, N, N>, order: usize) {
-        let p = &mut p.data.0;
-        if self.row_count <= FEW {
-            with_length!(order, N, propagate::<FEW>(p, self));
-        } else if self.row_count <= MORE {
-            with_length!(order, N, propagate::<MORE>(p, self));
-        } else {
-            with_length!(order, N, propagate::<ROWS>(p, self));
-        }
+        with_length!(order, N, propagate(&mut p.data.0, self));
     }
 }

@@ -12,7 +12,7 @@ use super::{Acceleration, EkfParameters};
 use crate::ParameterError;
 use crate::attitude;
 use crate::error::declared;
-use crate::estimation::belief::{Belief, Row};
+use crate::estimation::belief::Belief;
 use crate::estimation::sensor::Observation;
 use crate::estimation::{Channel, Estimate, Health, Measurements, Navigation};
 use crate::sampling::Rate;
@@ -184,16 +184,13 @@ impl Ekf {
 
 /// A measurement of the state's components, starting with `first`.
 fn direct<const K: usize>(first: usize, innovation: [f64; K], sigma: f64) -> Observation<4> {
-    let component = |i: usize| if i < K { innovation[i] } else { 0.0 };
-    let row = |i: usize| {
-        let mut row = Row::zeros();
-        if i < K {
-            row[first + i] = 1.0;
-        }
-        row
-    };
-    let variance = [sigma * sigma; 3];
-    Observation::new(K, core::array::from_fn(component), core::array::from_fn(row), variance)
+    let mut observation = Observation::empty(K);
+    for i in 0..K {
+        observation.innovation[i] = innovation[i];
+        observation.variance[i] = sigma * sigma;
+        observation.rows[i][first + i] = 1.0;
+    }
+    observation
 }
 
 fn health(memory: &EkfMemory, dvl: &Source, fix: &Source) -> Health {

@@ -6,7 +6,7 @@ use super::intake::{Record, Source};
 use super::prediction::Motion;
 use crate::attitude;
 use crate::estimation::belief::{Belief, Column};
-use crate::estimation::kalman::{absorb, judge};
+use crate::estimation::kalman::{Verdict, absorb};
 use crate::estimation::sensor::Observation;
 use crate::estimation::{CHANNELS, Channel, Measurements};
 use crate::vector::Vec3;
@@ -98,7 +98,8 @@ impl EkfMemory {
     }
 
     pub(super) fn fuse(&mut self, channel: Channel, observation: &Observation<4>) {
-        let mut verdict = judge(&self.belief, observation, f64::INFINITY);
+        let mut verdict = Verdict::new();
+        verdict.judge(&self.belief, observation, f64::INFINITY);
         self.records[channel as usize].note(observation, &verdict);
         let correction = absorb(&mut self.belief, observation, &mut verdict, &mut ());
         self.belief.mean += correction;

@@ -4,7 +4,7 @@
 //! cycle: a quotient of displacements instead of the derivative of the prediction. It is singular
 //! at rest, and heading and position are independent in it.
 
-use nalgebra::{Matrix4, Vector4};
+use nalgebra::Vector4;
 
 use super::prediction::Motion;
 
@@ -19,10 +19,10 @@ pub(super) struct Misprinted {
 }
 
 impl Misprinted {
-    /// F of a cycle of `dt` seconds; `before` is the motion of the previous cycle.
-    pub(super) fn matrix(&self, motion: &Motion, before: &Motion, dt: f64) -> Matrix4<f64> {
+    /// The diagonal F of a cycle of `dt` seconds; `before` is the motion of the previous cycle.
+    pub(super) fn diagonal(&self, motion: &Motion, before: &Motion, dt: f64) -> Vector4<f64> {
         let (now, before) = (motion.total_acceleration(), before.total_acceleration());
-        Matrix4::from_diagonal(&Vector4::from_fn(|i, _| {
+        Vector4::from_fn(|i, _| {
             let v = motion.velocity[i];
             let quotient = 1.0 + (now[i] + 0.5 * (now[i] - before[i])) / v * dt;
             // At v = 0 without acceleration the quotient is 0/0.
@@ -31,6 +31,6 @@ impl Misprinted {
             } else {
                 quotient.clamp(-LIMIT, LIMIT)
             }
-        }))
+        })
     }
 }

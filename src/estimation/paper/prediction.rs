@@ -66,11 +66,21 @@ pub(super) fn inertial_acceleration(
 pub(super) fn predict(p: &EkfParameters, belief: &mut Belief<4>, motion: &Motion, before: &Motion) {
     let dt = 1.0 / p.rate_hz;
     let d = displacement(p, belief.mean[3], motion, dt);
-    let f = match p.misprinted() {
-        Some(f) => f.matrix(motion, before, dt),
-        None => jacobian(p, d),
-    };
-    belief.covariance = f * belief.covariance * f.transpose();
+    let cov = &mut belief.covariance;
+    match p.misprinted() {
+        Some(f) => {
+            let f = f.diagonal(motion, before, dt);
+            *cov = Matrix4::from_fn(|i, j| f[i] * cov[(i, j)] * f[j]);
+        }
+        None if p.rotate_to_ned => {
+            // The derivative of the prediction is the identity, but for a displacement that rotates
+            // with psi.
+            let f = [-d[1], d[0]];
+            (0..4).for_each(|j| (0..2).for_each(|i| cov[(i, j)] += f[i] * cov[(3, j)]));
+            (0..4).for_each(|j| (0..2).for_each(|i| cov[(j, i)] += f[i] * cov[(j, 3)]));
+        }
+        None => {}
+    }
     for (state, variance) in process_variance(p, dt).into_iter().enumerate() {
         belief.add_noise(state, variance);
     }
@@ -94,16 +104,6 @@ fn displacement(p: &EkfParameters, yaw: f64, motion: &Motion, dt: f64) -> Vec3 {
     let across = v * dt + 0.5 * total[1] * dt * dt;
     let (sin, cos) = libm::sincos(yaw);
     [cos * along - sin * across, sin * along + cos * across, down]
-}
-
-/// The derivative of the prediction: a displacement rotates with psi.
-fn jacobian(p: &EkfParameters, displacement: Vec3) -> Matrix4<f64> {
-    let mut f = Matrix4::identity();
-    if p.rotate_to_ned {
-        f[(0, 3)] = -displacement[1];
-        f[(1, 3)] = displacement[0];
-    }
-    f
 }
 
 fn process_variance(p: &EkfParameters, dt: f64) -> [f64; 4] {

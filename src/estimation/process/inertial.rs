@@ -23,9 +23,7 @@ use crate::attitude;
 use crate::estimation::belief::{Belief, Column};
 use crate::estimation::interval::{Inertial, Interval};
 use crate::estimation::kalman::Witness;
-use crate::estimation::kinematics::{
-    Block, Kinematics, Linearized, Motion, SensorStates, first_column, skew,
-};
+use crate::estimation::kinematics::{Block, Kinematics, Linearized, Motion, SensorStates, skew};
 use crate::estimation::parameters::NavigationParameters;
 use crate::estimation::transition::Transition;
 
@@ -113,7 +111,8 @@ impl InertialProcess {
         let next = back * (u + alpha * dt);
 
         let jacobian = right_jacobian(&(s.rate * dt)) * dt;
-        let force_by_rate = half_turn * skew(&s.force) * right_jacobian(&half) * (0.5 * dt);
+        // Exp(a) [f]x Jr(a) = [Exp(a) f]x Jr(-a), and below `back half_turn = half_turn^T`.
+        let force_by_rate = skew(&force) * right_jacobian(&-half) * (0.5 * dt);
         let along = u * dt + force * (0.5 * dt * dt);
         self.set_rows(
             f,
@@ -132,7 +131,7 @@ impl InertialProcess {
             [
                 (U, back),
                 (THETA, back * skew(&down) * (self.parameters.gravity * dt)),
-                (B_A, -back * half_turn * dt),
+                (B_A, -half_turn.transpose() * dt),
                 (B_G, back * force_by_rate * dt - skew(&next) * jacobian),
             ],
         );
@@ -151,15 +150,16 @@ impl InertialProcess {
         state: usize,
         blocks: [(usize, Matrix3<f64>); B],
     ) {
-        let Some(at) = self.aid.as_ref().map(|_| AidStates::at(BASE)) else {
-            return f.set_rows(state, &blocks);
-        };
-        let noise = blocks.map(|(of, m)| match of {
-            B_A => (at.force_noise, m),
-            B_G => (at.rate_noise, first_column(m.column(2).into_owned())),
-            _ => (of, Matrix3::zeros()),
-        });
-        f.set_rows(state, blocks.iter().chain(&noise));
+        let group = f.add_group(state, 3, 0);
+        let noise = self.aid.as_ref().map(|_| AidStates::at(BASE));
+        for (of, by) in &blocks {
+            group.set(*of, by);
+            match (noise, *of) {
+                (Some(at), B_A) => group.set(at.force_noise, by),
+                (Some(at), B_G) => group.set_column(at.rate_noise, &by.column(2).into_owned()),
+                _ => {}
+            }
+        }
     }
 
     fn add_noise<const N: usize>(&self, belief: &mut Belief<N>, dt: f64, measured: bool) {

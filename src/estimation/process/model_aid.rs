@@ -386,7 +386,7 @@ impl Water {
         let attitude = turn * self.turn;
         let bias = turn * self.turn_by_bias + by_velocity * self.by_bias - by_rate;
         let force = by_velocity * self.by_force;
-        let mut rows = [Row::zeros(); 3];
+        let mut rows = Row::NONE;
         for (i, row) in rows.iter_mut().enumerate() {
             for j in 0..3 {
                 row[U + j] = ground[(i, j)];

@@ -38,11 +38,12 @@ const D: usize = 11;
 const BASE: usize = 15;
 /// States whose rates depend on others.
 const MOVING: usize = 8;
-/// States that rates depend on.
+/// States that rates depend on, and as many as fill whole vectors.
 const MOVERS: usize = 15;
+const PADDED: usize = 16;
 
 type Rates = [f64; MOVING];
-type Jacobian = [[f64; MOVERS]; MOVING];
+type Jacobian = [[f64; PADDED]; MOVING];
 
 /// The four-degree-of-freedom model.
 #[derive(Clone, Debug)]
@@ -174,7 +175,7 @@ impl PlanarDynamic {
 
     /// Derivatives of [`PlanarDynamic::rates`] by the states.
     fn jacobian(&self, at: &Afloat, drive: &Drive) -> Jacobian {
-        let mut j = [[0.0; MOVERS]; MOVING];
+        let mut j = [[0.0; PADDED]; MOVING];
         for (i, row) in j.iter_mut().take(3).enumerate() {
             (0..3).for_each(|k| row[U + k] = at.rotation[(i, k)]);
         }
@@ -233,20 +234,24 @@ impl PlanarDynamic {
         let middle = Afloat::new(middle, &drive.tilt);
         let j_first = self.jacobian(&first, drive);
         let j_middle = self.jacobian(&middle, drive);
-        for i in 0..MOVING {
-            // d/dx of x + dt g(x + dt/2 g(x)).
-            let mut row = j_middle[i];
-            // No rate depends on the position.
-            for k in PSI..MOVING {
-                let factor = 0.5 * dt * j_middle[i][k];
-                if factor != 0.0 {
-                    for (sum, value) in row.iter_mut().zip(&j_first[k]) {
-                        *sum += factor * value;
+        // No rate depends on the position.
+        let movers = (1 << MOVERS) - (1 << PSI);
+        for first in (0..MOVING).step_by(3) {
+            let size = (MOVING - first).min(3);
+            let own = ((1 << size) - 1) << first;
+            let group = f.add_group(first, size, own | movers);
+            for (i, row) in group.states().zip(&mut group.rows) {
+                // d/dx of x + dt g(x + dt/2 g(x)).
+                let mut sum = j_middle[i];
+                for k in PSI..MOVING {
+                    let factor = 0.5 * dt * j_middle[i][k];
+                    if factor != 0.0 {
+                        sum.iter_mut().zip(&j_first[k]).for_each(|(sum, by)| *sum += factor * by);
                     }
                 }
+                row.iter_mut().zip(sum).for_each(|(value, by)| *value = dt * by);
+                row[i] += 1.0;
             }
-            let own = core::iter::once((i, 1.0));
-            f.set_row(i, own.chain((PSI..MOVERS).map(|k| (k, dt * row[k]))));
         }
         (0..4).for_each(|axis| f.scale(D + axis, decay));
         self.rates(&middle, drive).map(|rate| rate * dt)

@@ -10,6 +10,7 @@ use crate::estimation::transition::Transition;
 ///
 /// For x < 1/4 it is the series, truncated below the last digit: a rotation within a filter
 /// interval is hardly ever larger, and most corrections are below 1/100.
+#[inline]
 fn quotients(square: f64) -> [f64; 3] {
     if square < 1e-4 {
         // Without nesting, because the next steps wait for this.
@@ -33,6 +34,7 @@ fn series(x: f64, divisors: [f64; 6]) -> f64 {
 }
 
 /// `1 + a [phi]x + b [phi]x^2`.
+#[inline]
 fn polynomial(phi: &Vector3<f64>, a: f64, b: f64) -> Matrix3<f64> {
     // [phi]x^2 = phi phi^T - phi^T phi 1.
     skew(&(phi * a))
@@ -41,12 +43,14 @@ fn polynomial(phi: &Vector3<f64>, a: f64, b: f64) -> Matrix3<f64> {
 }
 
 /// `Exp(phi)`: the rotation by |phi| about phi (Rodrigues).
+#[inline]
 pub(crate) fn exp(phi: &Vector3<f64>) -> Matrix3<f64> {
     let [a, b, _] = quotients(phi.norm_squared());
     polynomial(phi, a, b)
 }
 
 /// The right Jacobian: `Exp(phi + d) = Exp(phi) Exp(Jr(phi) d)` to first order.
+#[inline]
 pub(crate) fn right_jacobian(phi: &Vector3<f64>) -> Matrix3<f64> {
     let [_, a, b] = quotients(phi.norm_squared());
     polynomial(phi, -a, b)

@@ -32,7 +32,7 @@ impl<const N: usize> Observation<N> {
     #[must_use]
     #[inline(always)]
     pub(super) fn empty(size: usize) -> Self {
-        Self::new(size, [0.0; 3], [Row::zeros(); 3], [1.0; 3])
+        Self { size, innovation: [0.0; 3], rows: Row::NONE, variance: [1.0; 3] }
     }
 
     /// With the first `size` components.
@@ -44,8 +44,9 @@ impl<const N: usize> Observation<N> {
     /// With one component.
     #[must_use]
     pub fn scalar(innovation: f64, row: Row<N>, variance: f64) -> Self {
-        let rows = [row, Row::zeros(), Row::zeros()];
-        Self::new(1, [innovation, 0.0, 0.0], rows, [variance, 1.0, 1.0])
+        let mut o = Self::empty(1);
+        (o.innovation[0], o.rows[0], o.variance[0]) = (innovation, row, variance);
+        o
     }
 }
 
