@@ -56,8 +56,8 @@ impl Clone for AidedMemory {
 }
 
 /// The white yaw moment that the monitor's dynamic filter needs (N.m/sqrt(Hz)): it has no inertial
-/// noise that could hide a loss.
-const WATCH_MOMENT_DENSITY: f64 = 2.0;
+/// noise that could hide a loss. With less, what the model omits looks like a loss.
+const WATCH_MOMENT_DENSITY: f64 = 3.0;
 
 impl AidedFilter {
     /// # Errors
