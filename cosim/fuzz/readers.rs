@@ -189,7 +189,7 @@ fn results(name: &str, bytes: &[u8]) {
     // Otherwise they would be read as CSV.
     assert!(is_results(&file), "the reader of {name} is compiled in");
     std::fs::write(&file, bytes).unwrap();
-    if let Ok(read) = Recording::read(&file) {
+    if let Ok(read) = cosim::observe::read(&file) {
         assert!(read.columns().all(|(_, column)| column.len() == read.time().len()));
     }
 }

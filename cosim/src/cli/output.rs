@@ -9,7 +9,7 @@ use clap::Args;
 use cosim::condition::Condition;
 use cosim::files;
 use cosim::live::{Playing, Server, Watch};
-use cosim::observe::{self, Continued, CsvRecorder, Digested, Progress, RunningDigest, Stop};
+use cosim::observe::{self, Continued, CsvRecorder, Digested, RunningDigest, Stop};
 use cosim::roles::Declaration;
 use cosim::scenario::Scenario;
 use cosim::shown::{Terminal, one_line, visible};
@@ -206,7 +206,7 @@ impl Output {
         if snapshot.is_none() || !target.exists() {
             return self.digested(observe::create_with(target, self.roles()?)?);
         }
-        let old = Recording::read_unfinished(target)?;
+        let old = observe::read_unfinished(target)?;
         files::note_continued(target);
         if !old.names().iter().eq(system.columns().iter().map(|column| &column.name)) {
             return Err(Error::new(Code::Results, "the results cannot be continued")
@@ -244,7 +244,7 @@ impl Output {
             &if file == Path::new("-") { "stdout".into() } else { file.display().to_string() };
         let Computed { system, cluster, snapshot, watched: (server, playing) } = what;
         let begun = std::time::Instant::now();
-        let mut progress = Progress::new();
+        let mut progress = super::progress::Progress::new();
         let mut interrupt = Interrupt::new();
         let mut live = Live::new(server, playing, self.record(system, file));
         let mut scenarios = self.scenario.iter().map(Scenario::read).collect::<Result<Vec<_>>>()?;

@@ -214,10 +214,10 @@ fn the_seeds_are_read_as_what_they_are() {
     for name in ["r.mcap", "r.parquet"] {
         let file = folder.path().join(name);
         system().run(&mut [&mut *observe::create(&file).unwrap()]).unwrap();
-        assert!(Recording::read(&file).unwrap().time().len() > 5);
+        assert!(cosim::observe::read(&file).unwrap().time().len() > 5);
         // Its name alone chooses the reader.
         let table = write(name, readers::TABLE.as_bytes());
-        assert_eq!(Recording::read(table).unwrap_err().code(), Code::Results);
+        assert_eq!(cosim::observe::read(table).unwrap_err().code(), Code::Results);
     }
 }
 
