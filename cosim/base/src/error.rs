@@ -45,6 +45,7 @@ pub struct Problems {
 }
 
 impl Problems {
+    /// Notes another problem.
     pub fn push(&mut self, problem: Error) {
         if self.kept.len() < KEPT {
             self.kept.push(problem);

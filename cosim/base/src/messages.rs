@@ -11,6 +11,7 @@ pub struct Messages<const KEPT: usize> {
 pub type Warnings = Messages<1000>;
 
 impl<const KEPT: usize> Messages<KEPT> {
+    /// Adds a message.
     pub fn push(&mut self, message: String) {
         if self.first.len() < KEPT {
             self.first.push(message);

@@ -410,7 +410,6 @@ mod tests {
     use super::*;
     use crate::Status;
     use crate::row::Number;
-    use cosim_core::observe::Recording;
 
     fn campaign() -> Campaign {
         let text = "seeds = 3\n[systems]\na = 'a.ssd'\n[figures.f]\nkind = 'max'\nof = 'x'\n";

@@ -37,6 +37,7 @@ pub struct Entry<'d> {
     /// Its name in messages.
     pub name: String,
     value: &'d DeValue<'d>,
+    /// Its line, from 1.
     pub line: usize,
 }
 

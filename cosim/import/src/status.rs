@@ -8,7 +8,9 @@ pub(crate) type RawStatus = i32;
 pub(super) const OK: RawStatus = Status::Ok as RawStatus;
 pub(super) const WARNING: RawStatus = Status::Warning as RawStatus;
 pub(super) const DISCARD: RawStatus = Status::Discard as RawStatus;
+/// `fmi2Error`.
 pub const ERROR: RawStatus = Status::Error as RawStatus;
+/// `fmi2Fatal`.
 pub const FATAL: RawStatus = Status::Fatal as RawStatus;
 pub(super) const PENDING: RawStatus = Status::Pending as RawStatus;
 /// Not part of FMI: returned by the replacement for a function that the library does not have.

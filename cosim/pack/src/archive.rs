@@ -29,17 +29,20 @@ enum What {
 }
 
 impl Content {
+    /// From memory.
     pub fn bytes(bytes: impl Into<Vec<u8>>) -> Self {
         let bytes = bytes.into();
         Self { digest: sha256(&bytes), what: What::Bytes(bytes) }
     }
 
+    /// From a file, which is read again when it is packed.
     pub fn file(path: PathBuf) -> Result<Self> {
         let bytes = read_input(&path)
             .map_err(|e| Error::new(Code::File, "the FMU cannot be read").at(&path).why(e))?;
         Ok(Self { digest: sha256(bytes), what: What::File(path) })
     }
 
+    /// SHA-256 as hexadecimal text.
     pub fn digest(&self) -> &str {
         &self.digest
     }

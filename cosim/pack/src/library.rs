@@ -27,7 +27,9 @@ const LINKED: &str = "licenses.txt";
 pub struct Library {
     /// Folder under binaries/.
     pub folder: &'static str,
+    /// Its contents.
     pub bytes: Vec<u8>,
+    /// Where it was found.
     pub path: PathBuf,
     /// The linked packages, with their terms, if there is such a file beside it.
     pub linked: Option<Vec<u8>>,

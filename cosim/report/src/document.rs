@@ -12,7 +12,9 @@ use cosim_core::{Code, Error, Result};
 /// The data of a page: a campaign, or one run.
 #[derive(Serialize)]
 pub struct Document<C: Serialize> {
+    /// The heading.
     pub title: String,
+    /// What the runs are to answer.
     pub question: String,
     /// Paragraphs at the top.
     pub summary: Vec<String>,
@@ -20,10 +22,15 @@ pub struct Document<C: Serialize> {
     pub sections: Vec<Section>,
     /// Notes on what is missing.
     pub notes: Vec<String>,
+    /// How the results were computed.
     pub method: Vec<Term>,
+    /// Where they come from.
     pub provenance: Vec<Term>,
+    /// What identifies them.
     pub identity: Vec<String>,
+    /// The data of a campaign.
     pub campaign: Option<C>,
+    /// The data of each shown run, by its name.
     pub runs: BTreeMap<String, Trace>,
 }
 
@@ -35,6 +42,7 @@ pub struct Term {
 }
 
 impl Term {
+    /// A term with its explanation.
     pub fn new(term: impl Into<String>, text: impl Into<String>) -> Self {
         Self { term: term.into(), text: text.into() }
     }

@@ -44,10 +44,13 @@ impl Holds {
 
 /// The values of a column in a group of rows.
 pub enum Values {
+    /// `DOUBLE`.
     Real(Vec<f64>),
     /// Missing values are `None`.
     OptionalReal(Vec<Option<f64>>),
+    /// `INT64`.
     Whole(Vec<i64>),
+    /// `BYTE_ARRAY` of UTF-8.
     Text(Vec<ByteArray>),
 }
 

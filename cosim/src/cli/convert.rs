@@ -6,7 +6,7 @@ use clap::Args;
 use cosim::observe;
 use cosim::observe::Trajectories;
 use cosim::roles::Declaration;
-use cosim::{Code, Error, Recording, Result, System, files};
+use cosim::{Code, Error, Result, System, files};
 
 use super::changes::Changes;
 use super::messages;

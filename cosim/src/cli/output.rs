@@ -21,6 +21,7 @@ use super::interrupt::Interrupt;
 use super::isolate::Written;
 use super::live::{Live, Watching};
 use super::messages;
+use super::progress::Progress;
 use super::snapshots::Snapshots;
 use super::standard;
 use super::stop_when::StopWhen;
@@ -244,7 +245,7 @@ impl Output {
             &if file == Path::new("-") { "stdout".into() } else { file.display().to_string() };
         let Computed { system, cluster, snapshot, watched: (server, playing) } = what;
         let begun = std::time::Instant::now();
-        let mut progress = super::progress::Progress::new();
+        let mut progress = Progress::new();
         let mut interrupt = Interrupt::new();
         let mut live = Live::new(server, playing, self.record(system, file));
         let mut scenarios = self.scenario.iter().map(Scenario::read).collect::<Result<Vec<_>>>()?;

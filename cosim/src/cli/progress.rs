@@ -16,7 +16,7 @@ const REDRAW: Duration = Duration::from_millis(100);
 const PLAIN_LINE: Duration = Duration::from_secs(10);
 
 /// Shows the progress of a run.
-pub struct Progress {
+pub(super) struct Progress {
     bar: Option<ProgressBar>,
     begun: Instant,
     shown: Instant,
@@ -26,7 +26,7 @@ pub struct Progress {
 
 impl Progress {
     /// On a terminal a bar, otherwise lines.
-    pub fn new() -> Self {
+    pub(super) fn new() -> Self {
         let now = Instant::now();
         let bar = std::io::stderr().is_terminal().then(|| {
             let bar = ProgressBar::with_draw_target(Some(0), ProgressDrawTarget::stderr());

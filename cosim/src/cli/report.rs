@@ -7,7 +7,7 @@ use cosim::campaign;
 use cosim::report::{Choice, Estimate, Options, Picture, Plot, Units, XyPlot, html, picture};
 use cosim::roles::Declaration;
 use cosim::scenario::Scenario;
-use cosim::{Code, Error, Overrides, Recording, Result, System, files, names};
+use cosim::{Code, Error, Overrides, Result, System, files, names};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::output::print;

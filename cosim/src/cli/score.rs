@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use cosim::Result;
 use cosim::campaign::Figures;
 use cosim::shown::one_line;
-use cosim::{Recording, Result};
 
 use super::Format;
 use super::output::print;

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use cosim::observe::{self, McapRecorder};
 use cosim::roles::Declaration;
 use cosim::scenario::Scenario;
-use cosim::{Code, Overrides, Recording, Run, Snapshot, System, Time};
+use cosim::{Code, Overrides, Run, Snapshot, System, Time};
 use tempfile::TempDir;
 
 use crate::models::Model;

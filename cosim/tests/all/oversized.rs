@@ -3,7 +3,7 @@
 
 use std::fmt::Write;
 
-use cosim::{Overrides, Recording, System};
+use cosim::{Overrides, System};
 use tempfile::TempDir;
 
 use crate::formats::{connection, ssd, system};

@@ -100,6 +100,7 @@ pub(super) fn folder_of(target: &Path) -> PathBuf {
     folder.unwrap_or(Path::new(".")).to_owned()
 }
 
+/// Waits until the entries of a folder are on the disk.
 pub fn sync_folder(folder: &Path) -> io::Result<()> {
     synced(File::open(folder).and_then(|folder| folder.sync_all()))
 }

@@ -10,7 +10,7 @@ use cosim_base::time::Time;
 
 /// How a value reaches its component, or leaves it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Way {
+pub(crate) enum Way {
     /// A connected input.
     Input,
     /// An output.
@@ -21,7 +21,7 @@ pub enum Way {
 
 /// A fault with its state.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Acting {
+pub(crate) struct Acting {
     /// The position of the fault in the list.
     number: u32,
     kind: Kind,

@@ -11,7 +11,7 @@ mod random;
 mod schema;
 mod window;
 
-pub use acting::{Acting, Way};
+pub(crate) use acting::{Acting, Way};
 pub use random::{Random, normal_quantile};
 
 pub use kind::{KINDS, Kind, Meant, Meanwhile, Spread, Word};

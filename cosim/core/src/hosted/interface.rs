@@ -23,11 +23,13 @@ pub const MARK: &str = "cosim serves exported systems of version 3";
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Interface {
     version: u32,
+    /// The GUID of the FMU.
     pub guid: String,
     /// The description of the system in the resources.
     pub system: String,
     /// The file in the resources with faults and changes, if there are any.
     pub scenario: Option<String>,
+    /// How its system is run.
     pub running: Running,
     /// In the order of the modelDescription.xml. A value reference is an index within its type.
     pub variables: Vec<Exposed>,
@@ -36,11 +38,15 @@ pub struct Interface {
 /// Settings that a description of a system does not contain.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Running {
+    /// The algorithm of the steps.
     pub algorithm: String,
+    /// The integrator for model exchange.
     pub solver: Method,
     /// The tolerance that was asked for, instead of those that FMUs suggest.
     pub tolerance: Option<f64>,
+    /// The tolerance of the step control, if it is on.
     pub step_control: Option<f64>,
+    /// How often a step may be repeated.
     pub retries: u32,
     /// Full names of the inputs that are linear during a step.
     pub linear: Vec<String>,
@@ -49,8 +55,11 @@ pub struct Running {
 /// A variable.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Exposed {
+    /// Its name.
     pub name: String,
+    /// Its type.
     pub basic: Basic,
+    /// What it is for the importer.
     pub role: Role,
     /// The variables of components behind it: one, or all inputs that an input drives.
     pub ends: Vec<End>,
@@ -61,8 +70,11 @@ pub struct Exposed {
 /// A variable of a component by name, and how the value is converted.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct End {
+    /// Name of the component.
     pub component: String,
+    /// Name of its variable.
     pub variable: String,
+    /// From the unit of the component.
     pub conversion: Option<Conversion>,
 }
 
@@ -89,11 +101,13 @@ impl Role {
 }
 
 impl Interface {
+    /// Of a system with these variables.
     pub fn new(system: &str, running: Running, variables: Vec<Exposed>) -> Self {
         let (guid, system) = (String::new(), system.to_owned());
         Self { version: VERSION, guid, system, scenario: None, running, variables }
     }
 
+    /// The contents of the file.
     pub fn bytes(&self) -> Result<Vec<u8>> {
         postcard::to_stdvec(self).map_err(|e| {
             Error::new(Code::Output, "the list of exported variables cannot be written").why(e)

@@ -15,7 +15,9 @@ use cosim_base::error::Result;
 use cosim_base::time::{Step, Time};
 use cosim_import::Scalar;
 
+/// Steps components as planned, and passes on their values.
 pub struct Engine {
+    /// Which component steps when.
     pub plan: Plan,
     /// The plan in the form used for stepping.
     pub(super) steps: Steps,
@@ -24,6 +26,7 @@ pub struct Engine {
     /// Where the current sequence of steps ends: recorded variables are read there.
     pub(super) limit: Time,
     pub(crate) slaves: Vec<Box<dyn Slave>>,
+    /// What components have put out, by the slots of the plan.
     pub values: Vec<Scalar>,
     pub(super) inputs: Vec<Scalar>,
     /// For each component.
@@ -82,6 +85,7 @@ impl Pace {
 }
 
 impl Engine {
+    /// At the start time.
     pub fn new(plan: Plan, made: Vec<Made>, start: Time) -> Self {
         let those = |which: &dyn Fn(&Node) -> bool| -> Vec<usize> {
             (0..plan.nodes.len()).filter(|&c| which(&plan.nodes[c])).collect()

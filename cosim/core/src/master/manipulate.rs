@@ -134,18 +134,18 @@ impl Controls<'_> {
 pub struct Change {
     /// Position of the variable, and its type.
     pub variable: usize,
-    pub basic: Basic,
+    pub(crate) basic: Basic,
     /// How its value gets to the component or from it.
-    pub way: Way,
+    pub(crate) way: Way,
     /// What is done to it.
-    pub act: Act,
+    pub(crate) act: Act,
     /// Its start value.
-    pub start: f64,
+    pub(crate) start: f64,
 }
 
 /// An action on a variable.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub enum Act {
+pub(crate) enum Act {
     /// Replaces an existing override or bias; faults are added to one another.
     Patch(Patch),
     /// Removes overrides and biases.

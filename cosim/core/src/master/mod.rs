@@ -46,7 +46,7 @@ pub use plan::{Node, Plan, Route};
 pub use snapshot::{EngineState, Saved};
 pub use summary::{Report, Tally};
 
-pub use manipulate::{Act, Change, Controls, Manipulator};
+pub use manipulate::{Change, Controls, Manipulator};
 pub use run::Run;
 pub use slave::Slave;
 pub use snapshot::Snapshot;
@@ -69,11 +69,13 @@ use signal_slave::SignalSlave;
 /// Settings shared by all slaves of a system.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Making {
+    /// How model exchange is integrated.
     pub solver: solver::Settings,
     /// The tolerance for FMUs that step themselves, instead of what they suggest.
     pub tolerance: Option<f64>,
     /// Whether debug messages are requested from the FMUs, and of which categories.
     pub debug: bool,
+    /// The categories that are logged.
     pub categories: Vec<String>,
     /// How often a discarded step is made smaller.
     pub retries: u32,

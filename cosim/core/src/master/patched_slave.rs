@@ -50,13 +50,13 @@ impl Patch {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Patched {
     /// Position of the variable, and its type.
-    pub variable: usize,
-    pub basic: Basic,
-    pub way: Way,
+    pub(crate) variable: usize,
+    pub(crate) basic: Basic,
+    pub(crate) way: Way,
     /// The value of a free variable without this, and the value that was set last.
-    pub start: f64,
-    pub given: f64,
-    pub patch: Patch,
+    pub(crate) start: f64,
+    pub(crate) given: f64,
+    pub(crate) patch: Patch,
 }
 
 impl Patched {

@@ -64,11 +64,13 @@ pub struct RampWay {
 /// The part of the plan for one component.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Node {
+    /// Its step.
     pub step: Step,
     /// Its last step may be shorter.
     pub variable: bool,
     /// The positions of its values in the arrays.
     pub input_slots: Range<usize>,
+    /// The places of its outputs among all values.
     pub output_slots: Range<usize>,
     /// Inputs that get the value at the end of the step.
     pub fresh: Box<[Route]>,
@@ -82,8 +84,11 @@ pub struct Node {
     pub member_of: Option<usize>,
     /// Positions of the variables, Reals first (`group::rank`).
     pub inputs: Vec<usize>,
+    /// The variables that others use.
     pub outputs: Vec<usize>,
+    /// The variables that are recorded.
     pub recorded: Vec<usize>,
+    /// The places of those among all values.
     pub recorded_slots: Range<usize>,
     /// Positions of the trends of its outputs.
     pub trends: Vec<usize>,
@@ -92,6 +97,7 @@ pub struct Node {
 /// The layout of a system.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Plan {
+    /// All components.
     pub nodes: Vec<Node>,
     /// Positions of nodes in stepping order.
     pub sequence: Vec<usize>,
@@ -101,16 +107,20 @@ pub struct Plan {
     pub trends: Vec<usize>,
     /// Inputs that move during steps.
     pub ramps: Vec<RampWay>,
+    /// Number of values.
     pub values: usize,
+    /// Number of inputs.
     pub inputs: usize,
     /// Slot of each recorded column, and its type.
     pub columns: Vec<(usize, Basic)>,
     /// Slots in `values` and in `inputs` that hold Strings.
     pub value_texts: Vec<usize>,
+    /// The inputs that are Strings.
     pub input_texts: Vec<usize>,
 }
 
 impl Plan {
+    /// For a checked system.
     pub fn new(system: &System) -> Self {
         let mut plan = Plan {
             nodes: Vec::new(),

@@ -35,15 +35,21 @@ pub struct Snapshot {
 /// The state of the scheduler between two instants, and the states of the components.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct EngineState {
+    /// What components have put out.
     pub values: Vec<Scalar>,
+    /// Their inputs.
     pub inputs: Vec<Scalar>,
     /// The Strings among the values, then those among the inputs.
     pub texts: Vec<String>,
+    /// Where the last step of each component ended.
     pub ends: Vec<Time>,
+    /// How inputs continue during steps.
     pub trends: Vec<Trend>,
+    /// The slopes of inputs during steps.
     pub ramps: Vec<Ramp>,
     /// The step that the error control tries next.
     pub step: Option<Time>,
+    /// The states of the components.
     pub components: Vec<Saved>,
 }
 

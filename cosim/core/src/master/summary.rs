@@ -49,7 +49,9 @@ pub struct Report {
     pub components: Vec<ComponentReport>,
     /// For each loop that is solved.
     pub efforts: Vec<Effort>,
+    /// What went wrong without ending the run.
     pub warnings: Vec<String>,
+    /// What is worth knowing.
     pub notes: Vec<String>,
 }
 

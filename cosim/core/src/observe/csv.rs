@@ -29,6 +29,7 @@ pub struct CsvRecorder<W: Write = Durable> {
 /// How a value is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Form {
+    /// With all digits.
     Real,
     /// Integers, and Booleans as 0 and 1.
     Whole,
@@ -37,6 +38,7 @@ pub enum Form {
 }
 
 impl Form {
+    /// For values of this type.
     pub fn of(kind: &Kind) -> Self {
         match kind {
             Kind::Real => Form::Real,

@@ -125,6 +125,7 @@ impl Recording {
         named.map(|(place, name)| (name.as_str(), place)).collect()
     }
 
+    /// The type of a column.
     pub fn form_at(&self, place: usize) -> Form {
         self.forms[place]
     }

@@ -94,7 +94,9 @@ pub(super) struct RawConnector {
 /// A unit by the name in its file, with the definition in the file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RawUnit {
+    /// Its name.
     pub name: String,
+    /// Its definition, if it is known.
     pub unit: Option<Unit>,
 }
 

@@ -98,6 +98,7 @@ impl Manifest {
         }
     }
 
+    /// The contents of the file.
     pub fn text(&self) -> Result<String> {
         serde_json::to_string_pretty(self)
             .map(|text| text + "\n")

@@ -213,9 +213,8 @@ fn a_change_of_a_variable_that_is_not_there_is_refused() {
     host.handle(&outcome.sent_to_first[0]);
     let mut message = outcome.sent_to_first[1].clone();
     message[2] = Kind::Change as u8;
-    let (way, act) = (cosim_core::fault::Way::Free, cosim_core::master::Act::Release);
-    let basic = cosim_import::Basic::Real;
-    let change = cosim_core::master::Change { variable: 8, basic, way, act, start: 0.0 };
+    // A `Change`: variable, type, free (the third way), released (the second act), start value.
+    let change = (8_usize, cosim_import::Basic::Real, 2_u32, 1_u32, 0.0_f64);
     message.extend(postcard::to_stdvec(&(0_usize, change)).unwrap());
     let Handled::Answer(answer) = host.handle(&message) else { panic!("no answer") };
     assert!(String::from_utf8_lossy(&answer).contains("no variable 8 of 8"));

@@ -25,12 +25,15 @@ pub use cosim_results::roles::{Choice, Estimate};
 /// How to show a run.
 #[derive(Debug, Default)]
 pub struct Shown<'a> {
+    /// The units of the variables.
     pub units: Units,
+    /// Which paths are shown.
     pub choice: Choice,
     /// Time spans shaded on every time axis.
     pub faults: Vec<Window>,
     /// Requested plots come first.
     pub plots: &'a [Chosen],
+    /// Further paths in the plane.
     pub paths: &'a [XyPlot],
     /// Whether all variables are included after the rest.
     pub all: bool,

@@ -51,20 +51,30 @@ pub enum Axes {
 /// The roles of columns.
 #[derive(Debug, Clone, Default)]
 pub struct Roles {
+    /// The axes of all positions and velocities.
     pub axes: Axes,
+    /// The truth and the estimates.
     pub bodies: Vec<Body>,
+    /// Where bodies are to go.
     pub courses: Vec<Course>,
+    /// What measures.
     pub sensors: Vec<Sensor>,
 }
 
 /// The truth, or an estimate of it.
 #[derive(Debug, Clone, Default)]
 pub struct Body {
+    /// Its name.
     pub name: String,
+    /// It is the truth, not an estimate.
     pub is_truth: bool,
+    /// Position and attitude.
     pub pose: Group<6>,
+    /// Linear and angular velocity.
     pub velocity: Group<6>,
+    /// Standard deviations of the pose.
     pub sigma: Group<6>,
+    /// Standard deviations of the velocity.
     pub velocity_sigma: Group<6>,
     /// Covariances of two axes of the pose, the lower axis first.
     pub covariances: Vec<(usize, usize, Place)>,
@@ -73,18 +83,22 @@ pub struct Body {
 /// The point that a guidance system follows.
 #[derive(Debug, Clone, Default)]
 pub struct Course {
+    /// Its name.
     pub name: String,
+    /// The point that is steered for.
     pub position: Group<3>,
 }
 
 /// The measurement of a sensor.
 #[derive(Debug, Clone, Default)]
 pub struct Sensor {
+    /// Its name.
     pub name: String,
     pub(crate) specific_force: Group<3>,
     pub(crate) rate: Group<3>,
     pub(crate) attitude: Group<3>,
     pub(crate) velocity: Group<3>,
+    /// A measured position.
     pub position: Group<3>,
     /// Of the position, the same for north and east.
     pub(crate) sigma: Option<Place>,

@@ -38,9 +38,13 @@ pub struct Estimate {
 /// The paths of a recording.
 #[derive(Debug, Default)]
 pub struct Paths {
+    /// The group of the true path.
     pub truth: Option<String>,
+    /// The groups of the estimated paths.
     pub estimates: Vec<Estimate>,
+    /// The groups of position fixes.
     pub fixes: Vec<String>,
+    /// The groups of courses.
     pub courses: Vec<String>,
 }
 
@@ -50,6 +54,7 @@ const MOST: usize = 6;
 const COURSES: [&str; 3] = ["target", "reference", "setpoint"];
 
 impl Paths {
+    /// Among recorded names.
     pub fn find(names: &Names<'_>, choice: &Choice) -> Result<Self> {
         let all = candidates(names, &["pose", "position"]);
         let known = |path: &String| {

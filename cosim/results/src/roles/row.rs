@@ -110,6 +110,7 @@ impl<const N: usize> Group<N> {
         if found.0.iter().all(Option::is_some) { found } else { Self::default() }
     }
 
+    /// The places of its elements.
     pub fn places(&self) -> [Option<Place>; N] {
         self.0
     }

@@ -35,6 +35,7 @@ pub struct Channel {
 
 /// All channels of a run.
 pub struct Channels {
+    /// In the order of their numbers.
     pub all: Vec<Channel>,
     /// For each channel of columns: positions and types.
     fields: Vec<Vec<(usize, Field)>>,
@@ -117,9 +118,13 @@ fn named(name: &str, otherwise: &str) -> String {
 /// The type of a field.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Field {
+    /// 64-bit floating point.
     Float64,
+    /// 32-bit integer.
     Int32,
+    /// Boolean.
     Bool,
+    /// String.
     Text,
 }
 

@@ -24,7 +24,7 @@ pub(super) struct Measured<'a> {
 }
 
 /// Findings along the path.
-pub struct Way {
+pub(super) struct Way {
     pub conversion: Option<Conversion>,
     /// The first or the last unit, if the other end has none.
     pub missing: Option<String>,

@@ -60,7 +60,7 @@ impl Reader<'_> {
 
     /// The base step for all components from the annotation of the Open Simulation Platform; a file
     /// with it is meant for Jacobi.
-    pub fn base_step(&mut self, root: &Element, master: &mut RawMaster) -> Option<f64> {
+    pub(super) fn base_step(&mut self, root: &Element, master: &mut RawMaster) -> Option<f64> {
         let algorithms = inside(root.child("DefaultExperiment")?, OSP, "Algorithm");
         let mut children = algorithms.flat_map(|algorithm| &algorithm.children);
         let fixed = children.find(|element| element.name == "FixedStepAlgorithm")?;
