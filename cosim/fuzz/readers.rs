@@ -15,7 +15,7 @@ use cosim::proxy::manifest as remote;
 use cosim::roles::Declaration;
 use cosim::scenario::Scenario;
 use cosim::scripted;
-use cosim::signals::{Signal, Signals};
+use cosim::system::{Signal, Signals};
 use cosim::{Overrides, Recording, Run, Snapshot, System, Time};
 use sha2::{Digest, Sha256};
 use tempfile::TempDir;

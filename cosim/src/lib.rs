@@ -49,7 +49,7 @@
 //! # Ok::<(), cosim::Error>(())
 //! ```
 //!
-//! Included: [`scenario::Scenario`] from a file, [`pace::Pace`] for real time, [`observe::create`]
+//! Included: [`scenario::Scenario`] from a file, [`Pace`] for real time, [`observe::create`]
 //! for results files.
 
 pub mod live;
@@ -59,10 +59,10 @@ pub use cosim_base::{error, files, names, shown, texts, time, units, xml};
 pub use cosim_campaign as campaign;
 pub use cosim_confine as confine;
 pub use cosim_core::{
-    Algorithm, Controls, Input, Manipulator, Observer, Overrides, Recording, Run, Snapshot,
-    Summary, System,
+    Algorithm, Controls, Input, Manipulator, Observer, Overrides, Overruns, Pace, Recording, Run,
+    Snapshot, Summary, System,
 };
-pub use cosim_core::{condition, fault, hosted, master, pace, scenario, signals, solver, system};
+pub use cosim_core::{hosted, master, scenario, system};
 pub use cosim_import as fmi;
 pub use cosim_import::{proxy, scripted};
 #[cfg(feature = "distributed")]

@@ -4,7 +4,7 @@
 //! (McKay, Beckman & Conover 1979), or from a Sobol sequence with the direction numbers of Joe &
 //! Kuo 2008, shifted by a random number modulo 1 (Cranley & Patterson 1976).
 
-use cosim_core::fault::{Random, normal_quantile};
+use cosim_core::scenario::{Random, normal_quantile};
 use cosim_core::table::Table;
 
 /// The distribution of a parameter.

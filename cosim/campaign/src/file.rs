@@ -12,7 +12,7 @@ use super::design::{DESIGNS, Design, Distribution, Points};
 use super::figure::Figure;
 use cosim_base::error::{Code, Error, Result};
 use cosim_base::names;
-use cosim_core::condition::Condition;
+use cosim_core::scenario::Condition;
 use cosim_core::table::{Document, Table};
 
 /// Which runs to make, and what to evaluate.

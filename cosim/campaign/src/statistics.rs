@@ -176,7 +176,7 @@ mod tests {
 
     #[test]
     fn intervals_hold_what_they_should_as_often_as_they_should() {
-        let (mut random, mut held) = (cosim_core::fault::Random::new(&[7]), 0);
+        let (mut random, mut held) = (cosim_core::scenario::Random::new(&[7]), 0);
         for _ in 0..2000 {
             let values: Vec<f64> = (0..40).map(|_| random.uniform()).collect();
             let [low, high] = quantile(&values, 0.8, 0.9).interval;

@@ -5,19 +5,20 @@
 
 #![forbid(unsafe_code)]
 
-pub mod condition;
-pub mod fault;
+mod condition;
+mod fault;
 pub mod hosted;
 pub mod master;
 pub mod observe;
-pub mod pace;
+mod pace;
 pub mod scenario;
-pub mod signals;
-pub mod solver;
+mod signals;
+mod solver;
 pub mod system;
 pub mod table;
 
 pub use cosim_base::{Code, Error, Result, Step, Time};
 pub use master::{Controls, Manipulator, Run, Snapshot, Summary};
 pub use observe::{Observer, Recording};
+pub use pace::{Overruns, Pace};
 pub use system::{Algorithm, Input, Overrides, System};

@@ -32,13 +32,17 @@ mod faults;
 mod injected;
 mod windows;
 
+pub use crate::condition::Condition;
+pub use crate::fault::{
+    Begin, End, Fault, KINDS, Kind, Meant, Meanwhile, Random, Spread, Window, Word,
+    normal_quantile, schema,
+};
 pub use injected::Injected;
 
 use std::path::Path;
 
 use serde_json::{Map, Value};
 
-use crate::fault::{Begin, End, Fault, Kind};
 use crate::master::{Controls, Manipulator};
 use crate::observe::Stop;
 use crate::system::{Column, System};

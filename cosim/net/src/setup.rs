@@ -10,7 +10,7 @@ use super::layout::Group;
 use cosim_base::error::{Code, Error, Result};
 use cosim_base::time::{Step, Time};
 use cosim_core::master::{Converted, Engine, EngineState, Making, Plan, Tally, slave};
-use cosim_core::signals::Signals;
+use cosim_core::system::Signals;
 use cosim_core::system::{Component, Function, Model};
 use cosim_import::{Fmu, InterfaceType, LastCall, Logging, Value, guard};
 

@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 use cosim_base::error::{Code, Error, Result};
 use cosim_base::names;
 use cosim_base::units::Unit;
-use cosim_core::hosted::interface::{End, Exposed, Role};
+use cosim_core::hosted::{End, Exposed, Role};
 use cosim_core::system::{Conversion, Port, System, SystemPort};
 use cosim_import::{Causality, Kind, Value, Variability, Variable};
 

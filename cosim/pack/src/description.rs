@@ -10,7 +10,7 @@ use super::definitions::Definitions;
 use super::feedthrough;
 use cosim_base::error::Result;
 use cosim_base::xml::{self, Element};
-use cosim_core::hosted::interface::{Exposed, Role};
+use cosim_core::hosted::{Exposed, Role};
 use cosim_core::system::{Port, System, base_step};
 use cosim_import::{Basic, Category, Causality, Fmu, InterfaceType, Value, Variability};
 

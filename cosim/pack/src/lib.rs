@@ -30,7 +30,7 @@ use choice::Chosen;
 use cosim_base::error::{Code, Error, Result};
 use cosim_base::files;
 use cosim_core::hosted::MARK;
-use cosim_core::hosted::interface::{self, Interface, Running};
+use cosim_core::hosted::{self, Interface, Running};
 use cosim_core::master::Manipulator;
 use cosim_core::scenario::Scenario;
 use cosim_core::system::System;
@@ -165,7 +165,7 @@ impl Export {
         }));
         entries.push((format!("resources/{}", packed.name), Content::bytes(packed.text)));
         let list = Content::bytes(interface.bytes()?);
-        entries.push((format!("resources/{}", interface::FILE), list));
+        entries.push((format!("resources/{}", hosted::FILE), list));
         entries.extend(inside);
         Ok(entries)
     }
@@ -224,7 +224,7 @@ fn notes(system: &System, chosen: &[Chosen]) -> Vec<String> {
         }
     }
     let count = |role| chosen.iter().filter(|chosen| chosen.exposed.role == role).count();
-    let inputs = count(interface::Role::Input);
+    let inputs = count(hosted::Role::Input);
     notes.push(format!("{} variables are shown, {inputs} of them inputs", chosen.len()));
     notes
 }

@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use clap::Args;
-use cosim::condition::Condition;
 use cosim::files;
 use cosim::live::{Playing, Server, Watch};
 use cosim::observe::{self, Continued, CsvRecorder, Digested, RunningDigest, Stop};
 use cosim::roles::Declaration;
+use cosim::scenario::Condition;
 use cosim::scenario::Scenario;
 use cosim::shown::{Terminal, one_line, visible};
 use cosim::{Code, Error, Observer, Overrides, Recording, Result, Run, Snapshot, Summary, System};

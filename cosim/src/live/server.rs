@@ -16,7 +16,7 @@ use super::page::{self, Page};
 use super::{Watch, http};
 use cosim_base::error::{Code, Error, Result};
 use cosim_base::time::Time;
-use cosim_core::fault::Window;
+use cosim_core::scenario::Window;
 use cosim_results::roles::Declaration;
 
 /// Maximum number of clients.

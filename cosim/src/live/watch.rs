@@ -8,8 +8,8 @@ use serde_json::json;
 use super::hub::{About, Hub, locked};
 use cosim_base::error::Result;
 use cosim_base::time::Time;
-use cosim_core::fault::Window;
 use cosim_core::observe::{Observer, RunInfo};
+use cosim_core::scenario::Window;
 use cosim_results::roles::{Declaration, Measure, Names, Roles};
 
 /// Interval between batches.

@@ -10,7 +10,7 @@
 //! The inner FMUs are created when initialization begins, with all start values at once, as in a
 //! run of the system; a reset has nothing to undo.
 
-pub mod interface;
+mod interface;
 mod scenario;
 mod state;
 mod table;
@@ -26,8 +26,7 @@ use cosim_base::error::{Code, Error, Result};
 use cosim_base::time::Time;
 pub use cosim_import::Basic;
 use cosim_import::{Logging, Mailbox, Message, Value};
-pub use interface::MARK;
-use interface::{FILE, Interface};
+pub use interface::{End, Exposed, FILE, Interface, MARK, Role, Running};
 pub use state::Kept;
 use table::{Known, Read, Table};
 

@@ -23,12 +23,13 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::signals::Signals;
 use crate::solver;
 use cosim_base::error::{Code, Error, Problems, Result};
 use cosim_base::time::{Step, Time};
 use cosim_import::{Causality, Description, Fmu, InterfaceType, Kind, Logging, Value};
 
+pub use crate::signals::{Numbers, Signal, Signals, Table};
+pub use crate::solver::{Method, Settings};
 pub use conversion::Conversion;
 pub use delay::{Cause, Delay};
 pub use function::Function;

@@ -15,7 +15,7 @@ use self::map::Map;
 use self::plots::{Plot, Role, Whole};
 use super::units::Units;
 use super::{Plot as Chosen, XyPlot};
-use cosim_core::fault::Window;
+use cosim_core::scenario::Window;
 use cosim_core::{Recording, Result};
 use cosim_results::roles::{Names, Paths};
 
