@@ -1,4 +1,4 @@
-//! The only error type of this crate: what happened, where, why, and what to do.
+//! The only error type of all crates of `cosim`: what happened, where, why, and what to do.
 //!
 //! A check that finds several problems reports them together ([`Error::all`]); the command line
 //! prints all of them and exits with the code of the first.
@@ -12,7 +12,7 @@ mod code;
 mod remedy;
 pub use code::Code;
 
-/// The result type of this crate.
+/// The result type of all crates of `cosim`.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 /// What happened, where, why and what to do about it. One pointer wide, so that results stay small.

@@ -1,6 +1,6 @@
 //! Scenarios: timed events in a system, from a file.
 //!
-//! A file whose name ends in `.toml` lists faults (see [`crate::fault`]):
+//! A file whose name ends in `.toml` lists faults (see [`Fault`]):
 //!
 //! ```toml
 //! seed = 1

@@ -2,9 +2,12 @@
 //! instances.
 //!
 //! [`Fmu::open`] returns one shared value per file and process; [`Instance`] is the safe handle of
-//! one `fmi2Component`; [`Logging`] defines what instances log. The `unsafe` code of this crate
-//! that touches FMUs is here, in `open`, `library`, `last`, `callbacks`, `guard`, `instance`, `scalar`
-//! and `temporary`; the rest is system calls in `files` and `confine`.
+//! one `fmi2Component`; [`Logging`] defines what instances log. All `unsafe`
+//! code that touches FMUs is here, in `open`, `library`, `last`, `callbacks`, `guard`, `instance`,
+//! `scalar` and `temporary`; other crates have some for system calls.
+//!
+//! `proxy` and `scripted` are what `cosim` and the libraries of remote FMUs, and of FMUs of Python
+//! classes, have in common.
 
 pub mod archive;
 #[allow(unsafe_code, reason = "what FMUs call back")]

@@ -2,7 +2,7 @@
 //!
 //! Its resources contain the description of the system, as written by `System::write`, the
 //! unchanged FMUs, and the meaning of the value references. Its library is the same for all systems
-//! and runs them with the engine of this crate (`hosted`). Everything is checked before it is
+//! and runs them with the engine (`cosim_core::hosted`). Everything is checked before it is
 //! written, and the same system gives the same bytes.
 //!
 //! | file | what |
@@ -12,6 +12,8 @@
 //! | `documentation` | documentation, licences, icon |
 //! | `library` | the binaries, and whether the inner FMUs have theirs |
 //! | `archive` | the file |
+
+#![forbid(unsafe_code)]
 
 pub mod archive;
 mod choice;

@@ -15,6 +15,8 @@
 //! | the content of a run's report | `run` |
 //! | the content of a campaign's report | `campaign::report` |
 
+#![forbid(unsafe_code)]
+
 mod convert;
 mod decimate;
 mod declared;

@@ -96,7 +96,7 @@ pub fn create_with(
     })
 }
 
-/// Creates a results file that gets its final name when it is finished; see [`Continued`].
+/// Creates a results file that gets its final name when it is finished; see [`cosim_core::observe::Continued`].
 pub fn create_unfinished(
     target: &Path,
     roles: Option<Declaration>,

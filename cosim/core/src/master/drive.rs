@@ -18,7 +18,7 @@ pub trait Drive {
     /// Ends at `now` all steps that have begun and would end later, because the run ends there.
     fn conclude(&mut self, now: Time) -> Result<()>;
 
-    /// The recorded values of the current instant `now`, as numbers ([`Scalar::number`]).
+    /// The recorded values of the current instant `now`, as numbers ([`cosim_import::Scalar::number`]).
     fn sample(&mut self, now: Time, row: &mut [f64]) -> Result<()>;
 
     /// Changes a variable of a component from now on.
