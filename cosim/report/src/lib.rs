@@ -13,7 +13,7 @@
 //! | the style of pages | `page/page.html`, `page/base.css`, `page/report.css` |
 //! | the behaviour of a report | `page/js` |
 //! | the content of a run's report | `run` |
-//! | the content of a campaign's report | `campaign::report` |
+//! | the content of a campaign's report | `cosim_campaign::report` |
 
 #![forbid(unsafe_code)]
 

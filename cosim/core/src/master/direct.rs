@@ -2,7 +2,7 @@
 //!
 //! The cost of a system of hundreds of small FMUs is the cost of its cache lines. Here everything
 //! that a plain step uses is in a few arrays in stepping order: a line per component with the calls
-//! of its FMU (`fmi::DirectSteps`) and its positions, value references and routes one after
+//! of its FMU (`cosim_import::DirectSteps`) and its positions, value references and routes one after
 //! another, and the engine's own flat arrays. A step then consists of: copying the fresh inputs,
 //! `fmi2SetReal`, `fmi2DoStep`, and `fmi2GetReal`, which at recorded instants also reads the Reals
 //! that are only recorded.

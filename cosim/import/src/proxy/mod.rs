@@ -2,13 +2,13 @@
 //!
 //! ```text
 //!  importer ── library ──(socket)── program ──(Zenoh)── worker ── instance
-//!              `link`               `distributed::proxy`, `distributed::Remote`
+//!              `link`               `cosim_net::proxy`, `cosim_net::Remote`
 //! ```
 //!
 //! | file | what |
 //! |---|---|
 //! | `frames` | the protocol between the library and the program beside it |
-//! | `link` | the library's side of it; the program's is in `distributed::proxy` |
+//! | `link` | the library's side of it; the program's is in `cosim_net::proxy` |
 //! | `manifest` | the file in the FMU's resources that identifies it |
 
 pub mod frames;
