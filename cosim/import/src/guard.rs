@@ -6,8 +6,8 @@
 //! compared after every call, because the next FMU would compute with it; after direct steps by
 //! [`Steady`]. The rest costs system calls; it is compared after each call that creates,
 //! initializes or ends an instance, after the first steps, and then occasionally
-//! (`cosim_core::master`). Changes are undone, and the messages of the instance report what was changed
-//! and by which function.
+//! (`cosim_core::master`). Changes are undone, and the messages of the instance report what was
+//! changed and by which function.
 
 use std::ffi::{CStr, CString};
 use std::mem::MaybeUninit;

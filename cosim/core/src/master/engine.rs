@@ -52,8 +52,8 @@ pub struct Engine {
     pub(super) warnings: Vec<String>,
 }
 
-/// When the process is checked (`cosim_import::guard`): after each of the first steps, which identifies the
-/// component that changed it, and then at intervals.
+/// When the process is checked (`cosim_import::guard`): after each of the first steps, which
+/// identifies the component that changed it, and then at intervals.
 const WATCHED_FIRST: usize = 64;
 const WATCHED_EVERY: usize = 4096;
 
