@@ -25,7 +25,7 @@ pub use inputs::{
     note_continued, note_input, open_input, protect_inputs, read_foreign, read_input,
     read_input_text, refuse_inputs,
 };
-pub use whole::{Unfinished, copy, replace};
+pub use whole::{Unfinished, copy, replace, replace_by};
 
 /// First bytes of files that are not results, and what they are.
 const OTHERS: [(&[u8], &str); 6] = [

@@ -7,7 +7,7 @@
 
 use std::collections::HashSet;
 use std::fs::{File, OpenOptions};
-use std::io::{Read, Write};
+use std::io::{BufWriter, Read, Write};
 use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 use std::thread;
@@ -183,10 +183,14 @@ impl Folder {
     /// Writes `runs.parquet`, and `runs.csv` on request: one row per run, in order, with its
     /// parameters and results.
     pub fn write_table(&self, campaign: &Campaign, identity: &[String], csv: bool) -> Result<()> {
-        let parquet = table::parquet(campaign, &self.rows, identity).map_err(|e| {
-            Error::new(Code::Output, "the table of runs cannot be made").at(&self.path).why(e)
+        let file = self.path.join(TABLE);
+        files::replace_by(&file, |table| {
+            let table = table::parquet(campaign, &self.rows, identity, BufWriter::new(table));
+            table.map_err(std::io::Error::other)
+        })
+        .map_err(|e| {
+            Error::new(Code::Output, "the table of runs cannot be written").at(&file).why(e)
         })?;
-        self.write(TABLE, parquet)?;
         if csv {
             self.write("runs.csv", table::csv(campaign, &self.rows))?;
         }

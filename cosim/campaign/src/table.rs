@@ -1,12 +1,13 @@
 //! The rows of a campaign as tables: Parquet and CSV, one row per run, in the order of the runs.
 
 use std::fs::File;
+use std::io::Write;
 use std::path::Path;
 use std::sync::mpsc;
 use std::thread;
 
 use parquet::data_type::ByteArray;
-use parquet::errors::Result as Written;
+use parquet::errors::{ParquetError, Result as Written};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 
 use super::row::Number;
@@ -14,8 +15,8 @@ use super::{Campaign, Row, Status};
 use cosim_results::check_footer;
 use cosim_results::columns::{Holds, Table, Values};
 
-/// Rows of a row group.
-const GROUP: usize = 1 << 16;
+/// Rows of a row group: few, because groups are in memory while they are written.
+const GROUP: usize = 1 << 13;
 
 /// The rows that belong to the campaign, in order.
 fn in_order<'r>(campaign: &Campaign, rows: &'r [Row]) -> Vec<&'r Row> {
@@ -34,7 +35,12 @@ pub(super) fn runs(file: &Path) -> Result<u64, String> {
 }
 
 /// As Parquet; `identity` is stored with it.
-pub(super) fn parquet(campaign: &Campaign, rows: &[Row], identity: &[String]) -> Written<Vec<u8>> {
+pub(super) fn parquet(
+    campaign: &Campaign,
+    rows: &[Row],
+    identity: &[String],
+    output: impl Write + Send,
+) -> Written<()> {
     let rows = in_order(campaign, rows);
     let inputs: Vec<(&str, bool)> = campaign
         .inputs()
@@ -95,7 +101,7 @@ pub(super) fn parquet(campaign: &Campaign, rows: &[Row], identity: &[String]) ->
         values.push(real(rows.iter().map(|row| row.cpu_ms.0)));
         values
     };
-    let mut table = Table::new(Vec::new(), columns, about)?;
+    let mut table = Table::new(output, columns, about)?;
     // While a group is encoded, the next one is gathered.
     thread::scope(|scope| {
         let (send, groups) = mpsc::sync_channel(1);
@@ -104,7 +110,7 @@ pub(super) fn parquet(campaign: &Campaign, rows: &[Row], identity: &[String]) ->
         groups.into_iter().try_for_each(|values| table.group(values))
     })?;
     table.finish()?;
-    Ok(std::mem::take(table.output()))
+    table.output().flush().map_err(ParquetError::from)
 }
 
 fn at(values: &[Box<str>], place: usize) -> &str {

@@ -83,7 +83,6 @@ fn check_plan(plan: &Plan) -> Result<()> {
     })?;
     check_order(count, &plan.sequence, "the stepping order")?;
     below(plan.values, plan.trends.iter().copied(), "a value that is followed")?;
-    below(plan.values, plan.columns.iter().map(|(slot, _)| *slot), "a column")?;
     below(plan.values, plan.value_texts.iter().copied(), "a String")?;
     below(plan.inputs, plan.input_texts.iter().copied(), "a String that is an input")?;
     for found in &plan.loops {

@@ -1,6 +1,7 @@
 //! Results as Apache Parquet: the column `time` (s) and one for each variable, as read by DuckDB,
 //! pandas and polars.
 
+mod fields;
 mod pages;
 
 pub use pages::check_footer;

@@ -1,7 +1,7 @@
 //! Ctrl-C (and SIGTERM, SIGHUP): the run ends at its next output instant, and the results are kept.
-//! If an FMU does not return, so that the run cannot get there, the process is ended; likewise if
-//! an FMU ends the process. A second signal ends the process as usual, except for one that arrives
-//! because its parent has ended.
+//! If an FMU does not return, so that the run cannot get there, the process is ended, and with it
+//! what FMUs have started; likewise if an FMU ends the process, and at once after a second signal.
+//! Signals that arrive together count as one: timeout(1) sends two.
 //!
 //! Code of a library runs whenever it likes: constructors while it is loaded, destructors while it
 //! is unloaded, its threads until the process is gone. So the watch begins before the first library
@@ -10,8 +10,8 @@
 
 use std::io::Write;
 use std::sync::Once;
-use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
-use std::time::Duration;
+use std::sync::atomic::{AtomicBool, AtomicI32, AtomicU32, Ordering};
+use std::time::{Duration, Instant};
 
 use cosim::confine::{kill_descendants, reap_descendants};
 use cosim::files;
@@ -20,14 +20,17 @@ use cosim::observe::{RunInfo, Stop};
 use cosim::{Code, Error, Observer, Result, Time};
 use rustix::process::{Signal, getppid, set_parent_process_death_signal};
 
-static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+/// The process that defers signals. A child that an FMU has forked does not.
+static LISTENING: AtomicI32 = AtomicI32::new(0);
+/// Signals that have arrived.
+static ARRIVED: AtomicU32 = AtomicU32::new(0);
 /// The process in which FMUs may run, from the first library until the end.
 static WATCHED: AtomicI32 = AtomicI32::new(0);
 /// The signal that arrives when the parent ends: once for each of its threads that ends before the
-/// last one, so its second arrival means nothing.
+/// last one, so its second arrival means nothing. Zero if there is none.
 static OF_PARENT: AtomicI32 = AtomicI32::new(0);
-/// Whether this process ends others, and then itself, after a signal.
-static PATIENT: AtomicBool = AtomicBool::new(false);
+/// Whether a signal ends this process after [`GRACE`].
+static HURRIED: AtomicBool = AtomicBool::new(false);
 /// How long a command may take after a signal: a run to its next output instant.
 const GRACE: Duration = Duration::from_secs(5);
 const LOOK: Duration = Duration::from_millis(50);
@@ -37,23 +40,32 @@ const SIGNALS: [libc::c_int; 3] = [libc::SIGINT, libc::SIGTERM, libc::SIGHUP];
 
 /// Whether a signal has arrived.
 pub(crate) fn interrupted() -> bool {
-    INTERRUPTED.load(Ordering::Relaxed)
+    ARRIVED.load(Ordering::Relaxed) > 0
 }
 
 extern "C" fn on_signal(signal: libc::c_int) {
-    INTERRUPTED.store(true, Ordering::Relaxed);
-    if signal != OF_PARENT.load(Ordering::Relaxed) {
-        // SAFETY: `signal` may be called in a handler (POSIX, async-signal-safe functions).
-        unsafe { libc::signal(signal, libc::SIG_DFL) };
+    if LISTENING.load(Ordering::Relaxed) != std::process::id() as i32 {
+        // SAFETY: both may be called in a handler (POSIX, async-signal-safe functions).
+        unsafe {
+            libc::signal(signal, libc::SIG_DFL);
+            libc::raise(signal);
+        }
+    } else if signal != OF_PARENT.load(Ordering::Relaxed) || !interrupted() {
+        ARRIVED.fetch_add(1, Ordering::Relaxed);
     }
 }
 
 /// From now on, signals are deferred. Called before anything is unpacked: temporary files are
 /// removed at the end of the process, not by a signal.
 pub(crate) fn listen() {
+    // An isolated process is ended by another one; it is confined without other threads.
+    if !super::isolate::is_inside() {
+        look();
+    }
+    LISTENING.store(std::process::id() as i32, Ordering::Relaxed);
     let handler: extern "C" fn(libc::c_int) = on_signal;
     for signal in SIGNALS {
-        // SAFETY: the handler stores an atomic and calls `signal`, nothing else.
+        // SAFETY: the handler does only what POSIX allows in one.
         let before = unsafe { libc::signal(signal, handler as libc::sighandler_t) };
         if before == libc::SIG_IGN {
             // SAFETY: restores the previous action, as `nohup` requires.
@@ -62,27 +74,41 @@ pub(crate) fn listen() {
     }
 }
 
-/// From now on, a signal ends this process after some seconds, even if an FMU or a file keeps it
-/// busy.
-pub(crate) fn hurry() {
+/// From now on, a thread ends this process when it must not wait any longer after a signal.
+fn look() {
     static WATCH: Once = Once::new();
     WATCH.call_once(|| {
         std::thread::spawn(|| {
             while !interrupted() {
                 std::thread::sleep(LOOK);
             }
-            std::thread::sleep(GRACE);
-            if !PATIENT.load(Ordering::Relaxed) {
-                let why = "an FMU or a file took too long after a signal";
-                end(Code::Interrupted, &format!("the command was interrupted\n  why:  {why}"));
-            }
+            let since = Instant::now();
+            std::thread::sleep(LOOK);
+            let first = ARRIVED.load(Ordering::Relaxed);
+            let why = loop {
+                if ARRIVED.load(Ordering::Relaxed) > first {
+                    break "a second signal has arrived";
+                }
+                if HURRIED.load(Ordering::Relaxed) && since.elapsed() >= GRACE {
+                    break "an FMU or a file took too long after a signal";
+                }
+                std::thread::sleep(LOOK);
+            };
+            end(Code::Interrupted, &format!("the command was interrupted\n  why:  {why}"));
         });
     });
 }
 
+/// From now on, a signal ends this process after some seconds, even if an FMU or a file keeps it
+/// busy.
+pub(crate) fn hurry() {
+    HURRIED.store(true, Ordering::Relaxed);
+    look();
+}
+
 /// From now on, only what other processes do can take long after a signal, and those are ended.
 pub(crate) fn be_patient() {
-    PATIENT.store(true, Ordering::Relaxed);
+    HURRIED.store(false, Ordering::Relaxed);
 }
 
 /// From now on, this process gets a signal when the one that started it ends, however it ends.
@@ -168,9 +194,9 @@ pub(crate) extern "C" fn ended() {
 fn end(code: Code, error: &str) -> ! {
     WATCHED.store(0, Ordering::Relaxed);
     files::save_all();
+    kill_descendants(std::process::id());
     // If stderr is closed, there is no channel left to report it.
     drop(writeln!(std::io::stderr(), "error: [{}] {error}", code.as_str()));
-    kill_descendants(std::process::id());
     super::isolate::leave(code.exit_code());
     exit(code.exit_code().into())
 }

@@ -120,13 +120,19 @@ impl Unfinished {
 
 /// Replaces `target` by these bytes, or leaves it unchanged.
 pub fn replace(target: &Path, bytes: &[u8]) -> io::Result<()> {
+    replace_by(target, |mut file| file.write_all(bytes))
+}
+
+/// Replaces `target` by what is written to a file, or leaves it unchanged.
+pub fn replace_by(target: &Path, write: impl FnOnce(&File) -> io::Result<()>) -> io::Result<()> {
     if let Some(outbox) = outbox() {
         // Under its final name once complete; the parent process keeps it.
         let (begun, whole) = (outbox.join("begun"), outbox.join(outbox_name(target)));
-        return fs::write(&begun, bytes).and_then(|()| fs::rename(begun, whole));
+        write(&File::create(&begun)?)?;
+        return fs::rename(begun, whole);
     }
     let unfinished = Unfinished::new(target)?;
-    unfinished.file().write_all(bytes)?;
+    write(unfinished.file())?;
     unfinished.finish()
 }
 

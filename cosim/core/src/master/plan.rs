@@ -94,6 +94,13 @@ pub struct Node {
     pub trends: Vec<usize>,
 }
 
+/// Recorded columns of one type whose values are side by side.
+#[derive(Debug, Clone)]
+pub(crate) struct Columns {
+    slots: Range<usize>,
+    basic: Basic,
+}
+
 /// The layout of a system.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Plan {
@@ -111,8 +118,9 @@ pub struct Plan {
     pub values: usize,
     /// Number of inputs.
     pub inputs: usize,
-    /// Slot of each recorded column, and its type.
-    pub columns: Vec<(usize, Basic)>,
+    /// Slots of the recorded columns in order; workers record nothing.
+    #[serde(skip)]
+    pub(crate) columns: Vec<Columns>,
     /// Slots in `values` and in `inputs` that hold Strings.
     pub value_texts: Vec<usize>,
     /// The inputs that are Strings.
@@ -158,9 +166,19 @@ impl Plan {
         for node in &mut plan.nodes {
             node.ramped = !node.ramps.is_empty();
         }
-        let column = |column: &Column| Some((plan.value_slot(column.port)?, column.kind.basic()));
-        plan.columns = system.columns().iter().filter_map(column).collect();
+        plan.add_columns(system.columns());
         plan
+    }
+
+    fn add_columns(&mut self, columns: &[Column]) {
+        for column in columns {
+            let Some(slot) = self.value_slot(column.port) else { continue };
+            let basic = column.kind.basic();
+            match self.columns.last_mut() {
+                Some(last) if last.basic == basic && last.slots.end == slot => last.slots.end += 1,
+                _ => self.columns.push(Columns { slots: slot..slot + 1, basic }),
+            }
+        }
     }
 
     /// The part for the components `own`, in this order, with the same slots. A loop must be
@@ -216,9 +234,18 @@ impl Plan {
 
     /// The recorded values as numbers ([`Scalar::number`]).
     #[inline]
-    pub fn row(&self, values: &[Scalar], row: &mut [f64]) {
-        for (number, &(slot, basic)) in row.iter_mut().zip(&self.columns) {
-            *number = values[slot].number(basic);
+    pub fn row(&self, values: &[Scalar], mut row: &mut [f64]) {
+        for Columns { slots, basic } in &self.columns {
+            let (numbers, rest) = row.split_at_mut(slots.len());
+            let values = &values[slots.clone()];
+            match basic {
+                Basic::Real => numbers.copy_from_slice(Scalar::reals(values)),
+                basic => numbers
+                    .iter_mut()
+                    .zip(values)
+                    .for_each(|(number, value)| *number = value.number(*basic)),
+            }
+            row = rest;
         }
     }
 

@@ -26,8 +26,8 @@ pub struct Recording {
     unfinished: Option<&'static str>,
     time: Vec<f64>,
     columns: Vec<Vec<f64>>,
-    /// The newest rows, one after another: columns grow in blocks, because each is in a different
-    /// place in memory.
+    /// The newest rows, at most [`BLOCK`], one after another: columns grow in blocks, because each
+    /// is in a different place in memory.
     rows: Vec<f64>,
 }
 
@@ -40,7 +40,7 @@ impl PartialEq for Recording {
 }
 
 /// Number of rows in a block.
-const BLOCK: usize = 64;
+const BLOCK: usize = 16;
 
 impl Recording {
     /// A recording without values.
@@ -244,12 +244,23 @@ impl Recording {
 }
 
 impl Recording {
-    /// Moves the newest rows into their columns.
+    /// Moves the newest rows into their columns, some columns at a time: those of one cache line.
     #[cold]
     fn sort_in(&mut self) {
+        const TOGETHER: usize = 8;
         let width = self.columns.len().max(1);
-        for (position, column) in self.columns.iter_mut().enumerate() {
-            column.extend(self.rows.chunks_exact(width).map(|row| row[position]));
+        let mut sorted = [[0.0; BLOCK]; TOGETHER];
+        for (part, columns) in self.columns.chunks_mut(TOGETHER).enumerate() {
+            let rows = self.rows.chunks_exact(width);
+            let count = rows.len();
+            for (place, row) in rows.enumerate() {
+                for (column, value) in sorted.iter_mut().zip(&row[part * TOGETHER..]) {
+                    column[place] = *value;
+                }
+            }
+            for (column, sorted) in columns.iter_mut().zip(&sorted) {
+                column.extend_from_slice(&sorted[..count]);
+            }
         }
         self.rows.clear();
     }

@@ -6,6 +6,8 @@
 
 use std::io;
 
+use super::fields::{self, Fields, Type};
+
 /// Structures within structures.
 const DEEPEST: usize = 8;
 /// Most octets for which one octet of Snappy stands: 64 for a copy of three.
@@ -13,15 +15,14 @@ const EXPANDS: u64 = 22;
 /// For pages of a few octets.
 const ANYWAY: u64 = 1024;
 
-/// Numbers of fields.
-const SCHEMA: i64 = 2;
-const CHILDREN: i64 = 5;
-const UNPACKED: i64 = 2;
-const PACKED: i64 = 3;
-
-/// Types.
+/// Codes of types.
 const LIST: u8 = 9;
 const STRUCTURE: u8 = 12;
+
+/// Numbers of fields.
+const CHILDREN: i16 = 5;
+const UNPACKED: i16 = 2;
+const PACKED: i16 = 3;
 
 /// Checks the footer of a file: all columns are directly in it.
 pub fn check_footer(file: &[u8]) -> io::Result<()> {
@@ -32,25 +33,18 @@ pub fn check_footer(file: &[u8]) -> io::Result<()> {
     let length = u32::from_le_bytes(*length) as usize;
     let start = rest.len().checked_sub(length).ok_or_else(broken)?;
     let rest = &mut &rest[start..];
-    structure(rest, |field, kind, rest| match (field, kind) {
-        (SCHEMA, LIST) => schema(rest),
-        (SCHEMA, _) => Err(broken()),
-        _ => value(rest, kind, 0),
-    })
+    structure(rest, fields::FILE, 0, &mut |_, _| ())
 }
 
 /// The first element is the file, the others are its columns.
 fn schema(rest: &mut &[u8]) -> io::Result<()> {
-    let (kind, count) = list(rest)?;
-    if kind != STRUCTURE {
-        return Err(broken());
-    }
+    let count = list(rest, STRUCTURE)?;
     for element in 0..count {
         let mut children = 0;
-        structure(rest, |field, kind, rest| match (field, kind) {
-            (CHILDREN, 5) => integer(rest).map(|number| children = number),
-            (CHILDREN, _) => Err(broken()),
-            _ => value(rest, kind, 0),
+        structure(rest, fields::SCHEMA_ELEMENT, 0, &mut |field, number| {
+            if field == CHILDREN {
+                children = number;
+            }
         })?;
         let wanted = if element == 0 { count as i64 - 1 } else { 0 };
         if children != wanted {
@@ -65,11 +59,10 @@ pub(super) fn largest(bytes: &[u8]) -> io::Result<u64> {
     let (mut rest, mut largest) = (bytes, 0);
     while !rest.is_empty() {
         let (mut unpacked, mut packed) = (None, None);
-        structure(&mut rest, |field, kind, rest| match (field, kind) {
-            (UNPACKED, 5) => integer(rest).map(|number| unpacked = u64::try_from(number).ok()),
-            (PACKED, 5) => integer(rest).map(|number| packed = u64::try_from(number).ok()),
-            (UNPACKED | PACKED, _) => Err(broken()),
-            _ => value(rest, kind, 0),
+        structure(&mut rest, fields::PAGE, 0, &mut |field, number| match field {
+            UNPACKED => unpacked = u64::try_from(number).ok(),
+            PACKED => packed = u64::try_from(number).ok(),
+            _ => (),
         })?;
         let (unpacked, packed) = unpacked.zip(packed).ok_or_else(broken)?;
         if unpacked > packed.saturating_mul(EXPANDS).saturating_add(ANYWAY) {
@@ -86,30 +79,81 @@ fn broken() -> io::Error {
     io::Error::other("a header in it cannot be read")
 }
 
-/// Reads the fields of a structure: number and type of each; `field` reads its value.
-fn structure<'b>(
-    rest: &mut &'b [u8],
-    mut field: impl FnMut(i64, u8, &mut &'b [u8]) -> io::Result<()>,
+/// Reads a structure with these fields, and perhaps others; `seen` gets its integers.
+fn structure(
+    rest: &mut &[u8],
+    fields: Fields,
+    depth: usize,
+    seen: &mut dyn FnMut(i16, i64),
 ) -> io::Result<()> {
-    let mut number = 0_i64;
+    if depth > DEEPEST {
+        return Err(broken());
+    }
+    let mut number = 0_i16;
     loop {
         let head = byte(rest)?;
-        if head == 0 {
+        if head & 15 == 0 {
             return Ok(());
         }
-        number = match head >> 4 {
-            0 => integer(rest)?,
-            distance => number.saturating_add(i64::from(distance)),
+        number = match i16::from(head >> 4) {
+            0 => i16::try_from(integer(rest)?).map_err(|_| broken())?,
+            distance => number.checked_add(distance).ok_or_else(broken)?,
         };
-        // In a field, a Boolean is its type.
-        if !matches!(head & 15, 1 | 2) {
-            field(number, head & 15, rest)?;
+        match fields.iter().find(|(known, _)| *known == number) {
+            // In a field, a Boolean is its type.
+            Some((_, Type::Boolean)) if matches!(head & 15, 1 | 2) => (),
+            Some((_, kind)) if code(*kind) == head & 15 => {
+                if let Some(integer) = value(rest, *kind, depth)? {
+                    seen(number, integer);
+                }
+            }
+            None if matches!(head & 15, 1 | 2) => (),
+            None => skip_value(rest, head & 15, depth)?,
+            Some(_) => return Err(broken()),
         }
     }
 }
 
-/// Skips a value of this type.
-fn value(rest: &mut &[u8], kind: u8, depth: usize) -> io::Result<()> {
+/// The code of a type. That of a Boolean, which is its value in a field, is for lists.
+fn code(kind: Type) -> u8 {
+    match kind {
+        Type::Boolean => 2,
+        Type::I8 => 3,
+        Type::I16 => 4,
+        Type::I32 => 5,
+        Type::I64 => 6,
+        Type::Double => 7,
+        Type::Binary => 8,
+        Type::List(_) | Type::Schema => LIST,
+        Type::Structure(_) => STRUCTURE,
+    }
+}
+
+/// Reads a value of a declared type; a number if it is an integer.
+fn value(rest: &mut &[u8], kind: Type, depth: usize) -> io::Result<Option<i64>> {
+    let within = |bits: u32, number: i64| {
+        let fits = number >> (bits - 1) == number >> 63;
+        fits.then_some(Some(number)).ok_or_else(broken)
+    };
+    match kind {
+        Type::I16 => return within(16, integer(rest)?),
+        Type::I32 => return within(32, integer(rest)?),
+        Type::I64 => return integer(rest).map(Some),
+        Type::Schema => schema(rest)?,
+        Type::List(of) => {
+            let count = list(rest, code(*of))?;
+            (0..count).try_for_each(|_| value(rest, *of, depth).map(drop))?;
+        }
+        Type::Structure(fields) => structure(rest, fields, depth + 1, &mut |_, _| ())?,
+        Type::Boolean | Type::I8 | Type::Double | Type::Binary => {
+            skip_value(rest, code(kind), depth)?;
+        }
+    }
+    Ok(None)
+}
+
+/// Skips a value of this type, as the library skips what it does not know.
+fn skip_value(rest: &mut &[u8], kind: u8, depth: usize) -> io::Result<()> {
     match kind {
         3 => byte(rest).map(drop),
         4..=6 => integer(rest).map(drop),
@@ -120,20 +164,27 @@ fn value(rest: &mut &[u8], kind: u8, depth: usize) -> io::Result<()> {
         }
         // Each value has at least one byte, so this ends with the bytes. There are no lists of
         // Booleans in headers; the library would skip any number of them without reading a byte.
-        9 | 10 => {
-            let (kind, count) = list(rest)?;
-            (0..count).try_for_each(|_| value(rest, kind, depth))
+        LIST | 10 => {
+            let (kind, count) = list_head(rest)?;
+            (0..count).try_for_each(|_| skip_value(rest, kind, depth))
         }
-        STRUCTURE if depth < DEEPEST => {
-            structure(rest, |_, kind, rest| value(rest, kind, depth + 1))
-        }
+        STRUCTURE => structure(rest, &[], depth + 1, &mut |_, _| ()),
         // Headers have no maps.
         _ => Err(broken()),
     }
 }
 
+/// The number of values in a list of this type.
+fn list(rest: &mut &[u8], of: u8) -> io::Result<u64> {
+    match list_head(rest)? {
+        // Some programs give an empty list no type.
+        (kind, count) if kind == of || (kind, count) == (0, 0) => Ok(count),
+        _ => Err(broken()),
+    }
+}
+
 /// Type and number of the values of a list.
-fn list(rest: &mut &[u8]) -> io::Result<(u8, u64)> {
+fn list_head(rest: &mut &[u8]) -> io::Result<(u8, u64)> {
     let head = byte(rest)?;
     let count = if head >> 4 == 15 { unsigned(rest)? } else { u64::from(head >> 4) };
     Ok((head & 15, count))

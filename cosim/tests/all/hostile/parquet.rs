@@ -231,6 +231,14 @@ fn results_that_claim_more_than_they_are() {
     let booleans = list(1, i32::MAX as usize, &[]);
     let more: Vec<_> = (10..100).map(|number| (number, LIST, booleans.clone())).collect();
     let skipped = ended(b"PAR1".to_vec(), &schema, &[], &more);
+    // Fields of other types, or numbers that become others in 16 bits: the library would take the
+    // bytes for something else.
+    let other = ended(b"PAR1".to_vec(), &schema, &[], &[(5, BINARY, binary(&[0xfc]))]);
+    let columns = [element("schema", None, None), element("time", Some(DOUBLE), None)];
+    let mut longer = columns[0].clone();
+    longer.pop();
+    longer.extend([vec![I32], integer(65_536 + 5), integer(1), vec![0]].concat());
+    let longer = ended(b"PAR1".to_vec(), &[longer, columns[1].clone()], &[], &[]);
     // 20,000 columns that all are the same 200,000 pages.
     let pages = page(false, 0, PLAIN, 0, &[]).repeat(200_000);
     let mut columns: Vec<Column> = vec![(DOUBLE, false, vec![pages])];
@@ -244,6 +252,8 @@ fn results_that_claim_more_than_they_are() {
         (&deep, "columns within columns"),
         (&wide, "columns within columns"),
         (&skipped, "header in it cannot be read"),
+        (&other, "header in it cannot be read"),
+        (&longer, "header in it cannot be read"),
         (&shared, "columns share bytes"),
     ] {
         let (code, shown) = workspace.run("verify r.parquet", "r.parquet", bytes);
