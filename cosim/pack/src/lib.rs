@@ -50,11 +50,12 @@ const LIBRARY: library::Kind = library::Kind {
 /// How to export a system as an FMU.
 ///
 /// ```no_run
-/// use cosim::{Overrides, System, export::Export};
+/// use cosim_core::{Overrides, System};
+/// use cosim_pack::Export;
 ///
 /// let system = System::load("vehicle.ssd", &Overrides::new())?;
 /// Export::new().hide("*.sigma.*").write(&system, "Vehicle.fmu")?;
-/// # Ok::<(), cosim::Error>(())
+/// # Ok::<(), cosim_core::Error>(())
 /// ```
 #[derive(Debug, Clone, Default)]
 pub struct Export {

@@ -15,13 +15,13 @@ type Keep<'a> = dyn FnMut(Snapshot) -> Result<()> + 'a;
 /// A run being prepared: observers, manipulators, and the state to continue from.
 ///
 /// ```no_run
-/// # use cosim::{Overrides, Recording, Run, Snapshot, System};
+/// # use cosim_core::{Overrides, Recording, Run, Snapshot, System};
 /// let system = System::load("vehicle.ssd", &Overrides::new())?;
 /// let mut recording = Recording::new();
 /// let snapshot = Snapshot::read("at_100_s.snapshot")?;
 /// let summary = Run::new(&system).observe(&mut recording).resume(&snapshot).go()?;
 /// println!("{} steps", summary.steps);
-/// # Ok::<(), cosim::Error>(())
+/// # Ok::<(), cosim_core::Error>(())
 /// ```
 pub struct Run<'a> {
     system: &'a System,

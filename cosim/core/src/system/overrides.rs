@@ -13,7 +13,7 @@ use cosim_import::{InterfaceType, Logging, Trace};
 /// Changes to a system description, from the command line or from code.
 ///
 /// ```
-/// let overrides = cosim::Overrides::new()
+/// let overrides = cosim_core::Overrides::new()
 ///     .start_value("gps.seed", 7)
 ///     .replace("estimator", "other.fmu")
 ///     .stop_time(300.0);

@@ -28,10 +28,10 @@ const LIBRARY: Kind = Kind {
 /// Writes an FMU that is computed by a worker.
 ///
 /// ```no_run
-/// use cosim::distributed::proxy::Proxy;
+/// use cosim_net::proxy::Proxy;
 ///
 /// Proxy::new().listen("tls/0.0.0.0:7447").credentials("keys/orchestrator").write("Ekf.fmu", "Ekf.remote.fmu")?;
-/// # Ok::<(), cosim::Error>(())
+/// # Ok::<(), cosim_base::Error>(())
 /// ```
 #[derive(Debug, Clone, Default)]
 pub struct Proxy {
