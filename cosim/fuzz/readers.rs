@@ -15,7 +15,7 @@ use cosim::proxy::manifest as remote;
 use cosim::roles::Declaration;
 use cosim::scenario::Scenario;
 use cosim::scripted;
-use cosim::signals::{Signal, Signals};
+use cosim::system::{Signal, Signals};
 use cosim::{Overrides, Recording, Run, Snapshot, System, Time};
 use sha2::{Digest, Sha256};
 use tempfile::TempDir;
@@ -189,7 +189,7 @@ fn results(name: &str, bytes: &[u8]) {
     // Otherwise they would be read as CSV.
     assert!(is_results(&file), "the reader of {name} is compiled in");
     std::fs::write(&file, bytes).unwrap();
-    if let Ok(read) = Recording::read(&file) {
+    if let Ok(read) = cosim::observe::read(&file) {
         assert!(read.columns().all(|(_, column)| column.len() == read.time().len()));
     }
 }

@@ -49,64 +49,35 @@
 //! # Ok::<(), cosim::Error>(())
 //! ```
 //!
-//! Included: [`scenario::Scenario`] from a file, [`pace::Pace`] for real time, [`observe::create`]
+//! Included: [`scenario::Scenario`] from a file, [`Pace`] for real time, [`observe::create`]
 //! for results files.
 
-// The libraries of FMUs use the engine alone, and in one process.
-#![cfg_attr(not(feature = "distributed"), allow(dead_code, unused_imports))]
-
-#[cfg(feature = "campaign")]
-pub mod campaign;
-#[cfg(feature = "campaign")]
-mod columns;
-pub mod condition;
-#[cfg(feature = "program")]
-pub mod confine;
-mod digest;
-#[cfg(feature = "distributed")]
-pub mod distributed;
-pub mod error;
-#[cfg(feature = "program")]
-pub mod export;
-pub mod fault;
-pub mod files;
-pub mod fmi;
-pub mod hosted;
-#[cfg(feature = "live")]
 pub mod live;
-pub mod master;
-mod messages;
-pub mod names;
-mod nesting;
-pub mod observe;
-pub mod pace;
-pub mod proxy;
-#[cfg(feature = "program")]
-pub mod report;
-pub mod roles;
-#[cfg(feature = "program")]
-mod ros;
-pub mod scenario;
-pub mod scripted;
-pub mod shown;
-pub mod signals;
-#[cfg(feature = "distributed")]
-pub mod signature;
-pub mod solver;
-pub mod system;
-mod table;
-pub mod texts;
-pub mod time;
-#[cfg(feature = "program")]
-pub mod trajectories;
-pub mod units;
-pub mod xml;
 
-pub use error::{Code, Error, Result};
-pub use master::{Controls, Manipulator, Run, Snapshot, Summary};
-pub use observe::{Observer, Recording};
-pub use system::{Algorithm, Input, Overrides, System};
-pub use time::{Step, Time};
+pub use cosim_base::{Code, Error, Result, Step, Time};
+pub use cosim_base::{error, files, names, shown, texts, time, units, xml};
+pub use cosim_campaign as campaign;
+pub use cosim_confine as confine;
+pub use cosim_core::{
+    Algorithm, Controls, Input, Manipulator, Observer, Overrides, Overruns, Pace, Recording, Run,
+    Snapshot, Summary, System,
+};
+pub use cosim_core::{hosted, master, scenario, system};
+pub use cosim_import as fmi;
+pub use cosim_import::{proxy, scripted};
+#[cfg(feature = "distributed")]
+pub use cosim_net as distributed;
+#[cfg(feature = "distributed")]
+pub use cosim_net::signature;
+pub use cosim_pack as export;
+pub use cosim_report as report;
+pub use cosim_results::roles;
+
+/// Observers of a run, and files of results.
+pub mod observe {
+    pub use cosim_core::observe::*;
+    pub use cosim_results::*;
+}
 
 /// The code in the README, for the tests.
 #[cfg(doctest)]

@@ -44,7 +44,7 @@ fn files() -> Result<Vec<(PathBuf, Vec<u8>)>> {
         listing.push_str(&entry.listing());
     }
     files.push((folder.join("variables.md"), listing.into_bytes()));
-    let drawing = paths::root().join("cosim/src/export/icon.svg");
+    let drawing = paths::root().join("cosim/pack/src/icon.svg");
     let icon = icon::png(&fs::read_to_string(&drawing)?)?;
     files.push((drawing.with_extension("png"), icon));
     Ok(files)

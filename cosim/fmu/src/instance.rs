@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use cosim::fmi::calls::Values;
-use cosim::fmi::{Category, Message, Value};
-use cosim::hosted::{Basic, Hosted, Kept};
-use cosim::texts::Scope;
-use cosim::{Code, Error, Result, Time, time};
+use cosim_base::texts::Scope;
+use cosim_base::{Code, Error, Result, Time, time};
+use cosim_core::hosted::{Basic, Hosted, Kept};
+use cosim_import::calls::Values;
+use cosim_import::{Category, Message, Value};
 use cosim_served::{Experiment, Inside};
 
 /// A hosted system with no other references to it, and the lifetime of its Strings.

@@ -1,6 +1,6 @@
 //! The library of FMUs that `cosim export` writes: one for all systems.
 //!
-//! `cosim::hosted` implements the system, `cosim-served` what every FMU of `cosim` needs around it.
+//! `cosim_core::hosted` implements the system, `cosim-served` what every FMU of `cosim` needs around it.
 
 mod instance;
 
@@ -12,7 +12,7 @@ pub use instance::System;
 
 /// Marks the library for `cosim export`.
 #[used]
-static MARK: &str = cosim::hosted::MARK;
+static MARK: &str = cosim_core::hosted::MARK;
 
 /// Systems behind the C interface.
 #[doc(hidden)]
@@ -27,7 +27,7 @@ impl Library for Systems {
     }
 
     fn unload() {
-        cosim::fmi::forget();
+        cosim_import::forget();
     }
 
     #[inline]

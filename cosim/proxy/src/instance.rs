@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use cosim::fmi::Basic;
-use cosim::fmi::Message;
-use cosim::fmi::calls::{Ask, Given, Outcome, Trouble, Values};
-use cosim::proxy::frames::{Reply, Request};
-use cosim::proxy::link::Link;
-use cosim::proxy::manifest::Manifest;
-use cosim::{Code, Error, Result};
+use cosim_base::{Code, Error, Result};
+use cosim_import::Basic;
+use cosim_import::Message;
+use cosim_import::calls::{Ask, Given, Outcome, Trouble, Values};
+use cosim_import::proxy::frames::{Reply, Request};
+use cosim_import::proxy::link::Link;
+use cosim_import::proxy::manifest::Manifest;
 use cosim_served::{Experiment, Inside};
 
 use crate::values::Known;

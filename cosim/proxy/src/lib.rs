@@ -2,7 +2,7 @@
 //!
 //! It holds back inputs until the step, requests the values that the importer reads together with
 //! the step, and passes everything else on to the program in the FMU's resources, which talks to
-//! the workers (`cosim::proxy`). `cosim-served` implements what every FMU of `cosim` needs around
+//! the workers (`cosim_import::proxy`). `cosim-served` implements what every FMU of `cosim` needs around
 //! that.
 
 mod instance;
@@ -16,7 +16,7 @@ pub use instance::Remote;
 
 /// Marks the library for `cosim proxy`.
 #[used]
-static MARK: &str = cosim::proxy::MARK;
+static MARK: &str = cosim_import::proxy::MARK;
 
 /// Remote instances behind the C interface.
 #[doc(hidden)]

@@ -2,8 +2,8 @@
 
 use std::collections::HashMap;
 
-use cosim::fmi::Basic;
-use cosim::fmi::calls::{Ask, Given, Values};
+use cosim_import::Basic;
+use cosim_import::calls::{Ask, Given, Values};
 
 /// The variables that are read after steps, and their values if they are current.
 pub(crate) struct Known {

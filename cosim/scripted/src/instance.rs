@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use cosim::fmi::Basic;
-use cosim::fmi::Message;
-use cosim::fmi::calls::Values;
-use cosim::scripted::Manifest;
-use cosim::{Code, Error, Result};
+use cosim_base::{Code, Error, Result};
+use cosim_import::Basic;
+use cosim_import::Message;
+use cosim_import::calls::Values;
+use cosim_import::scripted::Manifest;
 use cosim_served::{Experiment, Inside};
 use fmu_kit::{Sampler, Time};
 use serde::{Deserialize, Serialize};

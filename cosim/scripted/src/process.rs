@@ -16,8 +16,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::{Mutex, PoisonError};
 
-use cosim::scripted::Manifest;
-use cosim::{Code, Error, Result};
+use cosim_base::{Code, Error, Result};
+use cosim_import::scripted::Manifest;
 
 /// Requests.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,9 +3,9 @@
 use std::ffi::{CStr, CString};
 use std::path::Path;
 
-use cosim::fmi::Basic;
-use cosim::fmi::calls::Values;
-use cosim::{Code, Error};
+use cosim_base::{Code, Error};
+use cosim_import::Basic;
+use cosim_import::calls::Values;
 use fmu_kit::kernel::{
     Call, Category, Interface, Log, Phase, Request, SPREAD, Served, Status, Trouble, accepts,
     check_experiment, check_step, hand_out, is_instant, seal, spare, unseal,
@@ -70,7 +70,7 @@ impl<I: Inside> Around<I> {
     /// As one line.
     pub fn new(
         request: Request<'_>,
-        open: impl FnOnce(&Request<'_>, &Path) -> cosim::Result<I>,
+        open: impl FnOnce(&Request<'_>, &Path) -> cosim_base::Result<I>,
     ) -> Result<Self, String> {
         if request.interface != Interface::CoSimulation {
             return Err("the FMU offers co-simulation only, not model exchange".to_owned());

@@ -1,9 +1,9 @@
 //! The inner implementation of an FMU that `cosim` writes: a complete system, or a remote one.
 
-use cosim::Result;
-use cosim::fmi::Basic;
-use cosim::fmi::Message;
-use cosim::fmi::calls::Values;
+use cosim_base::Result;
+use cosim_import::Basic;
+use cosim_import::Message;
+use cosim_import::calls::Values;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 

@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use cosim::observe;
+use cosim::observe::Trajectories;
 use cosim::roles::Declaration;
-use cosim::trajectories::Trajectories;
-use cosim::{Code, Error, Recording, Result, System, files};
+use cosim::{Code, Error, Result, System, files};
 
 use super::changes::Changes;
 use super::messages;
@@ -61,10 +61,10 @@ impl Convert {
     fn results(&self) -> Result<()> {
         let ending = self.to.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
         let roles = self.roles.as_ref().map(Declaration::read).transpose()?;
-        let recording = Recording::read(&self.from)?;
+        let recording = cosim::observe::read(&self.from)?;
         files::refuse_inputs(&self.to, [])?;
         let trajectories = |format| -> Result<()> {
-            for (name, text) in recording.trajectories(roles.as_ref(), format)? {
+            for (name, text) in observe::trajectories(&recording, roles.as_ref(), format)? {
                 let stem = self.to.file_stem().unwrap_or_default().to_string_lossy();
                 self.write(&self.to.with_file_name(format!("{stem}_{name}.{ending}")), &text)?;
             }
@@ -73,11 +73,11 @@ impl Convert {
         match ending.as_str() {
             "tum" => trajectories(Trajectories::Tum),
             "kitti" => trajectories(Trajectories::Kitti),
-            "json" => self.write(&self.to, &recording.foxglove_layout(roles.as_ref())?),
+            "json" => self.write(&self.to, &observe::foxglove_layout(&recording, roles.as_ref())?),
             "csv" | "mcap" | "parquet" => {
                 let name = self.from.file_stem().unwrap_or_default().to_string_lossy();
                 let mut recorder = observe::create_with(&self.to, roles)?;
-                recording.replay(&name, &mut *recorder)?;
+                observe::replay(&recording, &name, &mut *recorder)?;
                 self.written(&self.to);
                 Ok(())
             }

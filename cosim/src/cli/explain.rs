@@ -1,7 +1,7 @@
 //! `cosim explain`: explains an error code and its remedy, or the faults of scenarios.
 
 use clap::Args;
-use cosim::fault::{KINDS, Word};
+use cosim::scenario::{KINDS, Word};
 use cosim::{Code, Error, Result, names};
 
 use super::output::print;
@@ -21,7 +21,7 @@ impl Explain {
             return print(&lines.join("\n"));
         };
         if wanted == "schema" {
-            return print(&format!("{:#}", cosim::fault::schema()));
+            return print(&format!("{:#}", cosim::scenario::schema()));
         }
         if wanted == "faults" {
             let all: Vec<String> = KINDS.iter().map(fault).collect();

@@ -24,6 +24,7 @@ mod logging;
 pub(crate) mod messages;
 mod output;
 mod problems;
+mod progress;
 #[cfg(feature = "distributed")]
 mod proxy;
 mod replay;

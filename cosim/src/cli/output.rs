@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use clap::Args;
-use cosim::condition::Condition;
 use cosim::files;
 use cosim::live::{Playing, Server, Watch};
-use cosim::observe::{self, Continued, CsvRecorder, Digested, Progress, RunningDigest, Stop};
+use cosim::observe::{self, Continued, CsvRecorder, Digested, RunningDigest, Stop};
 use cosim::roles::Declaration;
+use cosim::scenario::Condition;
 use cosim::scenario::Scenario;
 use cosim::shown::{Terminal, one_line, visible};
 use cosim::{Code, Error, Observer, Overrides, Recording, Result, Run, Snapshot, Summary, System};
@@ -21,6 +21,7 @@ use super::interrupt::Interrupt;
 use super::isolate::Written;
 use super::live::{Live, Watching};
 use super::messages;
+use super::progress::Progress;
 use super::snapshots::Snapshots;
 use super::standard;
 use super::stop_when::StopWhen;
@@ -206,7 +207,7 @@ impl Output {
         if snapshot.is_none() || !target.exists() {
             return self.digested(observe::create_with(target, self.roles()?)?);
         }
-        let old = Recording::read_unfinished(target)?;
+        let old = observe::read_unfinished(target)?;
         files::note_continued(target);
         if !old.names().iter().eq(system.columns().iter().map(|column| &column.name)) {
             return Err(Error::new(Code::Results, "the results cannot be continued")

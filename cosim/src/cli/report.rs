@@ -7,7 +7,7 @@ use cosim::campaign;
 use cosim::report::{Choice, Estimate, Options, Picture, Plot, Units, XyPlot, html, picture};
 use cosim::roles::Declaration;
 use cosim::scenario::Scenario;
-use cosim::{Code, Error, Overrides, Recording, Result, System, files, names};
+use cosim::{Code, Error, Overrides, Result, System, files, names};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::output::print;
@@ -95,7 +95,7 @@ impl Report {
     }
 
     fn single(&self, kind: Kind) -> Result<Vec<u8>> {
-        let recording = Recording::read_unfinished(&self.results)?;
+        let recording = cosim::observe::read_unfinished(&self.results)?;
         let stem = || self.results.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let estimate = |path: &String| Estimate { path: path.clone(), ..Estimate::default() };
         let mut sources = vec![("Results".to_owned(), self.results.clone())];

@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use cosim::Result;
 use cosim::campaign::Figures;
 use cosim::shown::one_line;
-use cosim::{Recording, Result};
 
 use super::Format;
 use super::output::print;
@@ -34,7 +34,7 @@ impl Score {
         let figures = Figures::read(&self.figures)?;
         let mut rows = Vec::new();
         for file in &self.results {
-            rows.push((file.display().to_string(), figures.of(&Recording::read(file)?)?));
+            rows.push((file.display().to_string(), figures.of(&cosim::observe::read(file)?)?));
         }
         if self.format == Format::Json {
             let row = |(file, values): &(String, Vec<f64>)| {

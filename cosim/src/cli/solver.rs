@@ -2,7 +2,7 @@
 
 use clap::Args;
 use cosim::Overrides;
-use cosim::solver::Method;
+use cosim::system::Method;
 
 #[derive(Args)]
 pub(crate) struct Solver {

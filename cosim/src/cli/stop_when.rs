@@ -1,7 +1,7 @@
 //! `--stop-when`: ends a run when a recorded variable fulfils a condition.
 
-use cosim::condition::Condition;
 use cosim::observe::{RunInfo, Stop};
+use cosim::scenario::Condition;
 use cosim::{Code, Error, Observer, Result, Time, names};
 
 /// An observer that ends the run at the first sample that fulfils one of the conditions.

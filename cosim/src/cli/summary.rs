@@ -1,6 +1,6 @@
 //! The summary of a run as text and as JSON.
 
-use cosim::pace::Overruns;
+use cosim::Overruns;
 use cosim::shown;
 use cosim::{Summary, System};
 use serde_json::{Value, json};

@@ -35,7 +35,7 @@ const SHOWN: usize = 20;
 impl Verify {
     pub(crate) fn run(self) -> Result<()> {
         if let Some(tolerance) = self.tolerance() {
-            let (a, b) = (Recording::read(&self.a)?, Recording::read(&self.b)?);
+            let (a, b) = (cosim::observe::read(&self.a)?, cosim::observe::read(&self.b)?);
             self.check_names(&a)?;
             return self.within(&Closeness::of(&a, &b, &tolerance));
         }
@@ -45,7 +45,7 @@ impl Verify {
         if let (Some(a), Some(b)) = (list(&self.a)?, list(&self.b)?) {
             return self.lists(&a, &b);
         }
-        let (a, b) = (Recording::read(&self.a)?, Recording::read(&self.b)?);
+        let (a, b) = (cosim::observe::read(&self.a)?, cosim::observe::read(&self.b)?);
         let found = Comparison::of(&a, &b);
         if found.is_same() {
             let order = if found.reordered { ", in another order" } else { "" };
@@ -152,7 +152,7 @@ impl Verify {
     }
 
     fn against(&self, digest: &str) -> Result<()> {
-        let recording = Recording::read(&self.a)?;
+        let recording = cosim::observe::read(&self.a)?;
         let found = recording.digest()?.text();
         match found == digest {
             true => print(&format!("the same: {} samples", recording.time().len())),

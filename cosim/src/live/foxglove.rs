@@ -10,8 +10,8 @@ use tungstenite::Message;
 use super::batch::Batch;
 use super::client::Speaker;
 use super::hub::{About, Hub, Newest, Playing, Request, SPEEDS};
-use crate::ros::Channels;
-use crate::time::Time;
+use cosim_base::time::Time;
+use cosim_results::ros::Channels;
 
 const WITH_CONTROL: &str = "foxglove.sdk.v1";
 pub(super) const PROTOCOLS: [&str; 2] = [WITH_CONTROL, "foxglove.websocket.v1"];

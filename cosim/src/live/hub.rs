@@ -8,9 +8,9 @@ use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use serde_json::{Map, Value, json};
 
 use super::batch::{Batch, Thinned};
-use crate::roles::{Declaration, Roles};
-use crate::system::Column;
-use crate::time::Time;
+use cosim_base::time::Time;
+use cosim_core::system::Column;
+use cosim_results::roles::{Declaration, Roles};
 
 /// A request of a client.
 #[derive(Debug, Clone, PartialEq)]

@@ -8,7 +8,7 @@
 //! the server send the copies, and drop what a client does not take in time. Requests of clients
 //! wait in a queue until the run checks it ([`Server::request`]) at an output instant. A run
 //! therefore has the same results with and without clients; injected faults are saved as a scenario
-//! ([`crate::scenario::Injected`]).
+//! ([`cosim_core::scenario::Injected`]).
 
 mod batch;
 mod client;

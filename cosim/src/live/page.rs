@@ -12,8 +12,8 @@ use tungstenite::Message;
 use super::batch::Batch;
 use super::client::Speaker;
 use super::hub::{About, Hub, Newest, Request, SPEEDS, locked};
-use crate::fault::KINDS;
-use crate::roles::{Axes, Body, Course, Group, Place};
+use cosim_core::scenario::KINDS;
+use cosim_results::roles::{Axes, Body, Course, Group, Place};
 
 pub(super) const PROTOCOL: &str = "cosim.live.v1";
 
@@ -151,7 +151,7 @@ fn body(body: &Body) -> Value {
     })
 }
 
-fn kind(word: &crate::fault::Word) -> Value {
+fn kind(word: &cosim_core::scenario::Word) -> Value {
     let keys = word
         .keys
         .iter()

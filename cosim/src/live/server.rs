@@ -14,11 +14,10 @@ use super::foxglove::{self, Foxglove};
 use super::hub::{Hub, Playing, Request, locked};
 use super::page::{self, Page};
 use super::{Watch, http};
-use crate::error::{Code, Error, Result};
-use crate::fault::Window;
-use crate::report;
-use crate::roles::Declaration;
-use crate::time::Time;
+use cosim_base::error::{Code, Error, Result};
+use cosim_base::time::Time;
+use cosim_core::scenario::Window;
+use cosim_results::roles::Declaration;
 
 /// Maximum number of clients.
 const MOST: usize = 32;
@@ -203,7 +202,7 @@ impl Shared {
                     serve(stream, rest, &self.hub, &mut *speaker);
                 }
             }
-            None => match report::live_page() {
+            None => match cosim_report::live_page() {
                 Ok(page) => http::answer(&mut stream, "200 OK", "text/html", &page),
                 Err(e) => http::answer(
                     &mut stream,

@@ -6,11 +6,11 @@ use std::time::{Duration, Instant};
 use serde_json::json;
 
 use super::hub::{About, Hub, locked};
-use crate::error::Result;
-use crate::fault::Window;
-use crate::observe::{Observer, RunInfo};
-use crate::roles::{Declaration, Measure, Names, Roles};
-use crate::time::Time;
+use cosim_base::error::Result;
+use cosim_base::time::Time;
+use cosim_core::observe::{Observer, RunInfo};
+use cosim_core::scenario::Window;
+use cosim_results::roles::{Declaration, Measure, Names, Roles};
 
 /// Interval between batches.
 const FRAME: Duration = Duration::from_millis(33);

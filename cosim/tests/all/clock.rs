@@ -4,7 +4,7 @@ use std::io::Read;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use cosim::pace::Pace;
+use cosim::Pace;
 use cosim::{Overrides, Run, System};
 
 use crate::models::Model::Clock;

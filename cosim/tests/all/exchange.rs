@@ -1,7 +1,7 @@
 //! Model exchange with our solvers, compared with closed forms.
 
 use cosim::fmi::InterfaceType;
-use cosim::solver::Method::{self, DormandPrince, RungeKutta4};
+use cosim::system::Method::{self, DormandPrince, RungeKutta4};
 use cosim::{Overrides, Recording, System};
 
 use crate::models::Model;

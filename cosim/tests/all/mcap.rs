@@ -42,7 +42,7 @@ fn a_file_cut_at_any_byte_is_read_as_far_as_it_goes() {
     let mut longest = 0;
     for length in 0..bytes.len() {
         std::fs::write(&cut, &bytes[..length]).unwrap();
-        let read = Recording::read(&cut);
+        let read = cosim::observe::read(&cut);
         if length < 8 {
             assert!(read.unwrap_err().to_string().contains("not MCAP"), "{length}");
             continue;
@@ -54,7 +54,7 @@ fn a_file_cut_at_any_byte_is_read_as_far_as_it_goes() {
         longest = read.time().len();
     }
     assert_eq!(longest, whole.time().len());
-    assert_eq!(Recording::read(&file).unwrap().missing(), None);
+    assert_eq!(cosim::observe::read(&file).unwrap().missing(), None);
 }
 
 /// The samples are those of the file as written, or the damage is reported.
@@ -70,11 +70,11 @@ fn no_bit_turns_unseen_in_the_samples() {
         let mut wrong = bytes.clone();
         wrong[at] ^= 1 << (at % 8);
         std::fs::write(&damaged, &wrong).unwrap();
-        let error = Recording::read(&damaged).err().map(|error| error.to_string());
+        let error = cosim::observe::read(&damaged).err().map(|error| error.to_string());
         let named = |error: String| error.contains("damaged.mcap") && error.contains("checksum");
         assert!(error.is_some_and(named), "{at}");
     }
-    assert!(begins(&whole, &Recording::read(&file).unwrap()));
+    assert!(begins(&whole, &cosim::observe::read(&file).unwrap()));
 }
 
 /// Writes one double on a channel with this metadata, in this layout.
@@ -103,7 +103,7 @@ fn the_same_without_chunks_or_a_summary() {
         plain().disable_seeking(true),
     ] {
         of_another_tool(options, &file, Some("0 float64 other.x\n"));
-        let read = Recording::read(&file).unwrap();
+        let read = cosim::observe::read(&file).unwrap();
         assert_eq!((read.time(), read.column("other.x").unwrap()), (&[5e-9][..], &[2.5][..]));
     }
 }
@@ -113,7 +113,7 @@ fn what_is_of_other_tools_is_reported() {
     let folder = TempDir::new().unwrap();
     let file = folder.path().join("other.mcap");
     let reported = |parts: &[&str]| {
-        let error = Recording::read(&file).unwrap_err().to_string();
+        let error = cosim::observe::read(&file).unwrap_err().to_string();
         assert!(parts.iter().all(|part| error.contains(part)), "{parts:?} in {error}");
     };
     let plain = || WriteOptions::new().compression(None);

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use cosim::observe::{self, McapRecorder};
 use cosim::roles::Declaration;
 use cosim::scenario::Scenario;
-use cosim::{Code, Overrides, Recording, Run, Snapshot, System, Time};
+use cosim::{Code, Overrides, Run, Snapshot, System, Time};
 use tempfile::TempDir;
 
 use crate::models::Model;
@@ -214,10 +214,10 @@ fn the_seeds_are_read_as_what_they_are() {
     for name in ["r.mcap", "r.parquet"] {
         let file = folder.path().join(name);
         system().run(&mut [&mut *observe::create(&file).unwrap()]).unwrap();
-        assert!(Recording::read(&file).unwrap().time().len() > 5);
+        assert!(cosim::observe::read(&file).unwrap().time().len() > 5);
         // Its name alone chooses the reader.
         let table = write(name, readers::TABLE.as_bytes());
-        assert_eq!(Recording::read(table).unwrap_err().code(), Code::Results);
+        assert_eq!(cosim::observe::read(table).unwrap_err().code(), Code::Results);
     }
 }
 

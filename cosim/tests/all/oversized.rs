@@ -3,7 +3,7 @@
 
 use std::fmt::Write;
 
-use cosim::{Overrides, Recording, System};
+use cosim::{Overrides, System};
 use tempfile::TempDir;
 
 use crate::formats::{connection, ssd, system};
@@ -404,7 +404,7 @@ fn results_of_many_equal_values_in_a_short_file() {
     let folder = TempDir::new().unwrap();
     let small = folder.path().join("small.parquet");
     std::fs::write(&small, file(1, 1 << 20)).unwrap();
-    assert_eq!(Recording::read(&small).unwrap().time().len(), 1 << 20);
+    assert_eq!(cosim::observe::read(&small).unwrap().time().len(), 1 << 20);
 }
 
 /// Many patterns that begin with text are compared only with what may match them.

@@ -30,7 +30,7 @@ fn mcap_is_read_back_bit_by_bit_with_names_and_types() {
     let mut mcap = McapRecorder::create(&file).unwrap();
     system.run(&mut [&mut memory, &mut mcap]).unwrap();
     assert!(memory.names().contains(&"9 lives.k".to_owned()));
-    assert!(Recording::read(&file).unwrap() == memory);
+    assert!(cosim::observe::read(&file).unwrap() == memory);
     // The same run gives the same bytes.
     let again = folder.path().join("b.mcap");
     system.run(&mut [&mut McapRecorder::create(&again).unwrap()]).unwrap();
@@ -38,10 +38,10 @@ fn mcap_is_read_back_bit_by_bit_with_names_and_types() {
     // An unfinished file is read as far as it goes.
     let bytes = std::fs::read(&file).unwrap();
     std::fs::write(&again, &bytes[..bytes.len() / 2]).unwrap();
-    let cut = Recording::read(&again).unwrap();
+    let cut = cosim::observe::read(&again).unwrap();
     assert!(cut.time().len() < memory.time().len());
     std::fs::write(&again, b"time,x\n0,1\n").unwrap();
-    assert!(Recording::read(&again).unwrap_err().to_string().contains("b.mcap"));
+    assert!(cosim::observe::read(&again).unwrap_err().to_string().contains("b.mcap"));
     let early = system.with(&Overrides::new().start_time(-1.0)).unwrap();
     let error = early.run(&mut [&mut McapRecorder::create(&again).unwrap()]).unwrap_err();
     assert!(error.to_string().contains("negative time"), "{error}");
@@ -66,7 +66,8 @@ fn the_command_line_chooses_by_the_ending_and_reports_either() {
     assert_eq!((&json["steps"], &json["components"][3]["steps"]), (&120.into(), &30.into()));
     assert_eq!(json["components"][1]["name"], "9 lives");
     cosim(&["run", file, "-q", "-o", "r.csv"]);
-    let [mcap, csv] = ["r.mcap", "r.csv"].map(|f| Recording::read(folder.path().join(f)).unwrap());
+    let [mcap, csv] =
+        ["r.mcap", "r.csv"].map(|f| cosim::observe::read(folder.path().join(f)).unwrap());
     assert_eq!(mcap.names(), csv.names());
     assert!(mcap.columns().eq(csv.columns()));
     cosim(&["report", "r.mcap"]);

@@ -120,12 +120,13 @@ fn the_command_line_continues_a_file_in_another_process() {
         if suffix == "csv" {
             assert!(read(&whole) == read(&part));
         }
-        let [whole, part] = [whole, part].map(|f| Recording::read(folder.path().join(f)).unwrap());
+        let [whole, part] =
+            [whole, part].map(|f| cosim::observe::read(folder.path().join(f)).unwrap());
         assert!(whole == part);
     }
     // Into a new file: only what comes after.
     assert_eq!(cosim(&["-o", "tail.csv", "--resume", "at_0.8.snapshot"]).0, Some(0));
-    let tail = Recording::read(folder.path().join("tail.csv")).unwrap();
+    let tail = cosim::observe::read(folder.path().join("tail.csv")).unwrap();
     assert_eq!((tail.time()[0], tail.time().len()), (0.9, 7));
     let (code, stderr) =
         cosim(&["-o", "part.csv", "--resume", "at_0.8.snapshot", "--output-variable=p.y"]);

@@ -68,7 +68,7 @@ fn files_hold_strings_and_their_digest_is_one() {
     assert!(written.contains("\n0.0,\"begin\",5.0,\"begin\"\n"), "{written}");
     assert!(written.contains("0.1,\"0.1 s, \"\"said\"\"\",13.0,"), "{written}");
     for file in [&csv, &mcap] {
-        let read = Recording::read(file).unwrap();
+        let read = cosim::observe::read(file).unwrap();
         assert_eq!(read.text("b.said").unwrap(), recording.text("b.said").unwrap());
         assert_eq!(read.digest().unwrap().text(), recording.digest().unwrap().text());
     }

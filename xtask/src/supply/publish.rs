@@ -34,6 +34,15 @@ mod tests {
         names.sort();
         let known = [
             "cosim",
+            "cosim-base",
+            "cosim-campaign",
+            "cosim-confine",
+            "cosim-core",
+            "cosim-import",
+            "cosim-net",
+            "cosim-pack",
+            "cosim-report",
+            "cosim-results",
             "fmu-kit",
             "fmu-kit-derive",
             "fmu-ode",

@@ -3,7 +3,7 @@
 use std::os::unix::net::UnixStream;
 use std::sync::mpsc::{Receiver, channel};
 
-use cosim::proxy::frames::{read, write};
+use cosim_import::proxy::frames::{read, write};
 
 use super::*;
 

@@ -13,9 +13,9 @@ use std::time::{Duration, Instant};
 use clap::Args;
 use cosim::live::{Playing, Request, Server};
 use cosim::observe::Stop;
-use cosim::pace::{Overruns, Pace};
 use cosim::scenario::Injected;
 use cosim::{Code, Controls, Error, Manipulator, Result, Step, System, Time, files};
+use cosim::{Overruns, Pace};
 
 use self::keyboard::{Key, Keyboard};
 use super::{interrupt, messages};

@@ -31,7 +31,7 @@ fn options_of_the_run_come_along() {
         .connect("mass.y", "inertia.u")
         .connect("swing.y", "mass.u");
     let overrides = Overrides::new().input("", Input::Linear).step_control(1e-4);
-    let overrides = overrides.solver(cosim::solver::Method::RungeKutta4);
+    let overrides = overrides.solver(cosim::system::Method::RungeKutta4);
     let wanted = run(&system.load(&overrides).unwrap());
     let options = ["--input", "linear", "--step-control", "1e-4", "--solver", "rk4"];
     let exported = export(&system.write(), &options);
