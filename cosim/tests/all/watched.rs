@@ -1,6 +1,7 @@
 //! Observers of a distributed run: what they read, and that they cannot disturb it.
 
 use std::io::{BufRead, BufReader};
+use std::path::Path;
 use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -85,8 +86,8 @@ fn stalled(endpoint: &str, quick: bool) -> Running {
     observer
 }
 
-/// A run that publishes everything at an endpoint, and a folder with the results of the same run in
-/// one process.
+/// A run that publishes everything at an endpoint and waits for [`workers`], and a folder with the
+/// results of the same run in one process.
 fn reported() -> (TempDir, String, Running) {
     let folder = TempDir::new().unwrap();
     let at = folder.path();
@@ -94,10 +95,16 @@ fn reported() -> (TempDir, String, Running) {
     let (code, stderr) = outcome(at, &["run", "wide.ssd", "-q", "-o", "here.csv"]);
     assert_eq!(code, 0, "{stderr}");
     let endpoint = format!("tcp/127.0.0.1:{}", free_port());
-    let run = ["run", "wide.ssd", "-q", "-o", "there.csv", "--workers", "2", "--telemetry"];
-    // Slow enough not to finish before its observers are connected.
-    let run = start(at, &[&run[..], &["--listen", &endpoint, "--real-time=150"]].concat());
+    let run = ["run", "wide.ssd", "-q", "-o", "there.csv", "--listen", &endpoint, "--telemetry"];
+    let more = ["--distributed", "--min-workers", "2", "--wait", "600", "--real-time=150"];
+    let run = start(at, &[&run[..], &more].concat());
     (folder, endpoint, run)
+}
+
+/// The run begins: its observers are connected.
+fn workers(at: &Path, endpoint: &str) -> [Running; 2] {
+    ["a", "b"]
+        .map(|name| start(at, &["worker", "--name", name, "--connect", endpoint, "--allow-upload"]))
 }
 
 #[test]
@@ -114,6 +121,7 @@ fn a_stopped_observer_delays_no_step() {
     };
     let _signals = signals.callback(count).wait().unwrap();
     let stopped = stalled(&endpoint, false);
+    let _workers = workers(at, &endpoint);
     let mut status = serde_json::Value::Null;
     while status["ended"] != true {
         let message = status_told
@@ -146,6 +154,7 @@ fn an_observer_that_blocks_its_line_holds_up_neither_steps_nor_the_end() {
     let (folder, endpoint, mut run) = reported();
     let at = folder.path();
     let stopped = stalled(&endpoint, true);
+    let _workers = workers(at, &endpoint);
     assert_eq!(run.0.wait().unwrap().code(), Some(0));
     assert!(begun.elapsed() < Duration::from_secs(60), "{:?}", begun.elapsed());
     signal(stopped.0.id(), "-KILL");
