@@ -213,6 +213,9 @@ fn copy() -> Result<PathBuf> {
     let own = manifest.lines().filter(|line| {
         !["exclude = ", "members = ", "default-members = "].iter().any(|key| line.starts_with(key))
     });
+    // Crates of the workspace that it uses stay where they are.
+    let path = format!("path = \"{}/", root.display());
+    let own = own.map(|line| line.replace("path = \"fmu/", &format!("{path}fmu/")));
     fs::write(room.join("Cargo.toml"), own.collect::<Vec<_>>().join("\n"))?;
     fs::copy(root.join("Cargo.lock"), room.join("Cargo.lock"))?;
     // The same versions of fewer packages.
@@ -244,5 +247,10 @@ mod tests {
         for mutant in MUTANTS {
             mutated(mutant).unwrap();
         }
+    }
+
+    #[test]
+    fn the_copy_is_a_package_that_cargo_can_read() {
+        copy().unwrap();
     }
 }
