@@ -49,7 +49,7 @@ const MUTANTS: &[Mutant] = &[
     Mutant { name: "inertial: sign of du/dtheta", file: INERTIAL, test: by::BOUND,
         old: "(THETA, back * skew(", new: "(THETA, -back * skew(" },
     Mutant { name: "inertial: sign of du/db_a", file: INERTIAL, test: by::BOUND,
-        old: "(B_A, -back * ", new: "(B_A, back * " },
+        old: "(B_A, -half_turn.transpose() * dt)", new: "(B_A, half_turn.transpose() * dt)" },
     Mutant { name: "inertial: sign of dtheta/db_g", file: INERTIAL, test: by::BOUND,
         old: "(B_G, -jacobian)", new: "(B_G, jacobian)" },
     Mutant { name: "inertial: sign of dp/dtheta", file: INERTIAL, test: by::BOUND,
