@@ -25,6 +25,7 @@ mod guarded;
 mod hostile;
 mod import;
 mod injected;
+mod interrupted;
 mod layers;
 mod locked;
 mod logging;
