@@ -84,8 +84,8 @@ fn a_signal_ends_a_child_that_an_fmu_has_forked() {
     let folder = TempDir::new().unwrap();
     let fmu = attacker(
         folder.path(),
-        "const int child = fork(); if (!child) { pause(); _exit(0); } int status; \
-         kill(child, SIGTERM); waitpid(child, &status, 0); REPORT(WIFSIGNALED(status) - 1)",
+        "const int child = fork(); if (!child) { alarm(20); pause(); _exit(0); } int status; \
+         kill(child, SIGTERM); waitpid(child, &status, 0); REPORT(WIFSIGNALED(status) && WTERMSIG(status) == SIGTERM ? 0 : -1)",
     );
     let arguments = ["simulate", fmu.to_str().unwrap(), "-o", "out.csv", "--debug-logging"];
     let output = cosim(folder.path(), &arguments).output().unwrap();
