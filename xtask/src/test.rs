@@ -5,6 +5,7 @@ use crate::{
 };
 use anyhow::Result;
 use std::process::Command;
+use std::time::Instant;
 
 /// Seeds of the experiment's short run: enough to see a goal clearly missed.
 const SMOKE_SEEDS: u32 = 20;
@@ -14,31 +15,57 @@ const SMOKE_CELLS: [&str; 5] =
     ["BE3", "outage", "propeller-during-tactical", "smoother", "loop-HELIX"];
 const SMOKE_MISSIONS: u32 = 8;
 
-/// Runs everything; stops at the first step that fails.
-pub(crate) fn run() -> Result<()> {
-    process::run(&mut process::cargo(&["fmt", "--all", "--check"]))?;
-    let lint = ["clippy", "--release", "--workspace", "--all-targets", "--quiet", "--"];
-    process::run(&mut process::cargo(&[&lint[..], &["-D", "warnings"]].concat()))?;
-    let doc = ["doc", "--release", "--workspace", "--no-deps", "--quiet"];
-    process::run(process::cargo(&doc).env("RUSTDOCFLAGS", "-D warnings"))?;
-    supply::deny::run(false)?;
-    supply::publish::check()?;
-    describe::check()?;
-    package::for_shipping()?;
-    package::check_reproducible()?;
-    judge::export_loop()?;
-    process::run(&mut process::cargo(&["test", "--release", "--workspace", "--no-fail-fast"]))?;
-    judge::in_rust()?;
-    book::run(true)?;
-    reproduce::run(&reproduce::Options { seeds: SMOKE_SEEDS, threads: None, paper_only: false })?;
-    reproduce::check_picture()?;
-    let cells = SMOKE_CELLS.map(str::to_owned).to_vec();
-    let seeds = SMOKE_MISSIONS;
-    navigate::run(&navigate::Options { seeds, first_seed: 1, cells, threads: None })?;
-    platforms::in_short()?;
-    judge::in_python()?;
+/// What is done, in this order, with its name in the list of times.
+const STEPS: [(&str, fn() -> Result<()>); 15] = [
+    ("format", || cargo(&["fmt", "--all", "--check"])),
+    ("lints", || cargo(&[&LINT[..], &["-D", "warnings"]].concat())),
+    ("documentation of the code", || {
+        let doc = ["doc", "--release", "--workspace", "--no-deps", "--quiet"];
+        process::run(process::cargo(&doc).env("RUSTDOCFLAGS", "-D warnings"))
+    }),
+    ("licences, bans, sources", || supply::deny::run(false)),
+    ("packages of the crates", supply::publish::check),
+    ("descriptions of the FMUs", describe::check),
+    ("packages of the FMUs", package::for_shipping),
+    ("reproducible packages", package::check_reproducible),
+    ("tests in Rust", || {
+        judge::export_loop()?;
+        cargo(&["test", "--release", "--workspace", "--no-fail-fast"])?;
+        judge::in_rust()
+    }),
+    ("book", || book::run(true)),
+    ("experiment", || {
+        let seeds = SMOKE_SEEDS;
+        reproduce::run(&reproduce::Options { seeds, threads: None, paper_only: false })?;
+        reproduce::check_picture()
+    }),
+    ("navigation filters", || {
+        let cells = SMOKE_CELLS.map(str::to_owned).to_vec();
+        let seeds = SMOKE_MISSIONS;
+        navigate::run(&navigate::Options { seeds, first_seed: 1, cells, threads: None })
+    }),
+    ("platforms", platforms::in_short),
+    ("other tools", judge::in_python),
     // The judges' process contains libraries of other tools: not all tolerate others until it ends.
-    pytest(&["tests/python", "--ignore", judge::TESTS])
+    ("tests in Python", || pytest(&["tests/python", "--ignore", judge::TESTS])),
+];
+
+const LINT: [&str; 6] = ["clippy", "--release", "--workspace", "--all-targets", "--quiet", "--"];
+
+/// Runs everything; stops at the first step that fails. Prints how long each took.
+pub(crate) fn run() -> Result<()> {
+    let mut times = Vec::new();
+    for (name, step) in STEPS {
+        let begin = Instant::now();
+        step()?;
+        times.push(format!("{:6.0} s  {name}", begin.elapsed().as_secs_f64()));
+    }
+    println!("{}", times.join("\n"));
+    Ok(())
+}
+
+fn cargo(arguments: &[&str]) -> Result<()> {
+    process::run(&mut process::cargo(arguments))
 }
 
 fn pytest(arguments: &[&str]) -> Result<()> {

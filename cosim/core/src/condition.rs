@@ -3,21 +3,26 @@
 use std::fmt;
 use std::str::FromStr;
 
+use serde::{Deserialize, Serialize};
+
 /// Whether a value and a number satisfy the relation.
 type Holds = fn(f64, f64) -> bool;
 
 /// A variable compared with a number.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
 pub struct Condition {
     /// Its name in the results.
     pub variable: String,
-    relation: &'static str,
-    holds: Holds,
+    relation: &'static Relation,
     number: f64,
 }
 
+/// A sign with its meaning.
+type Relation = (&'static str, Holds);
+
 /// Longer operators first: `<=` is not `<`.
-const RELATIONS: [(&str, Holds); 7] = [
+static RELATIONS: [Relation; 7] = [
     ("<=", |a, b| a <= b),
     (">=", |a, b| a >= b),
     ("!=", |a, b| a != b),
@@ -30,13 +35,27 @@ const RELATIONS: [(&str, Holds); 7] = [
 impl Condition {
     /// Whether it holds for this value of the variable.
     pub fn holds(&self, value: f64) -> bool {
-        (self.holds)(value, self.number)
+        (self.relation.1)(value, self.number)
     }
 }
 
 impl fmt::Display for Condition {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} {} {}", self.variable, self.relation, self.number)
+        write!(f, "{} {} {}", self.variable, self.relation.0, self.number)
+    }
+}
+
+impl From<Condition> for String {
+    fn from(condition: Condition) -> Self {
+        condition.to_string()
+    }
+}
+
+impl TryFrom<String> for Condition {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        text.parse()
     }
 }
 
@@ -46,10 +65,10 @@ impl FromStr for Condition {
     fn from_str(text: &str) -> Result<Self, String> {
         let wanted =
             "a condition is VARIABLE, one of = != < <= > >=, and a number or true or false";
-        let place = |(sign, _): &(&str, _)| text.find(sign).map(|place| (place, sign.len()));
+        let place = |(sign, _): &Relation| text.find(sign).map(|place| (place, sign.len()));
         let first = RELATIONS.iter().filter_map(|r| Some((place(r)?, r)));
         let first = first.min_by_key(|((place, length), _)| (*place, std::cmp::Reverse(*length)));
-        let Some(((place, length), &(relation, holds))) = first else {
+        let Some(((place, length), relation)) = first else {
             return Err(format!("'{text}' has no comparison; {wanted}"));
         };
         let (variable, value) = (text[..place].trim(), text[place + length..].trim());
@@ -61,7 +80,7 @@ impl FromStr for Condition {
         if variable.is_empty() {
             return Err(format!("'{text}' does not name a variable; {wanted}"));
         }
-        Ok(Self { variable: variable.to_owned(), relation, holds, number })
+        Ok(Self { variable: variable.to_owned(), relation, number })
     }
 }
 
@@ -72,7 +91,7 @@ mod tests {
     #[test]
     fn conditions_are_read_as_they_are_written() {
         let read =
-            |text: &str| text.parse::<Condition>().map(|c| (c.variable, c.relation, c.number));
+            |text: &str| text.parse::<Condition>().map(|c| (c.variable, c.relation.0, c.number));
         let is = |variable: &str, relation, number| Ok((variable.to_owned(), relation, number));
         assert_eq!(read("a.b = 1"), is("a.b", "=", 1.0));
         assert_eq!(read("a.b<=-2.5e1"), is("a.b", "<=", -25.0));

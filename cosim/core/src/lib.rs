@@ -15,6 +15,7 @@ pub mod scenario;
 mod signals;
 mod solver;
 pub mod system;
+#[cfg(feature = "files")]
 pub mod table;
 
 pub use cosim_base::{Code, Error, Result, Step, Time};

@@ -13,45 +13,40 @@
 //! for = 30
 //! ```
 //!
-//! Any other is JSON of the Open Simulation Platform:
-//!
-//! ```json
-//! { "description": "the DVL fails for half a minute",
-//!   "defaults": { "model": "dvl", "action": "override" },
-//!   "events": [
-//!     { "time": 100, "variable": "off", "value": 1 },
-//!     { "time": 130, "variable": "off", "action": "reset" } ],
-//!   "end": 200 }
-//! ```
-//!
-//! `override` sets the variable to that value from then on, `bias` adds the value to it, `reset`
-//! ends either. `defaults` are used for keys that an event omits; `end` ends the run early. Events
-//! at the same instant happen in the order of the file.
+//! Any other is [JSON of the Open Simulation Platform](osp).
 
+#[cfg(feature = "files")]
 mod faults;
+#[cfg(feature = "files")]
 mod injected;
+#[cfg(feature = "files")]
+mod osp;
 mod windows;
+
+#[cfg(feature = "files")]
+pub use injected::Injected;
 
 pub use crate::condition::Condition;
 pub use crate::fault::{
     Begin, End, Fault, KINDS, Kind, Meant, Meanwhile, Random, Spread, Window, Word,
     normal_quantile, schema,
 };
-pub use injected::Injected;
 
+#[cfg(feature = "files")]
 use std::path::Path;
 
-use serde_json::{Map, Value};
+use serde::{Deserialize, Serialize};
 
 use crate::master::{Controls, Manipulator};
 use crate::observe::Stop;
 use crate::system::{Column, System};
 use cosim_base::error::{Code, Error, Result};
 use cosim_base::names::{self, Aliases};
-use cosim_base::time::{self, Step, Time};
+use cosim_base::time::{Step, Time};
 
 /// A scenario as a manipulator.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(from = "Specification", into = "Specification")]
 pub struct Scenario {
     events: Vec<Event>,
     /// How many of the events have happened.
@@ -71,13 +66,33 @@ pub struct Scenario {
     interval: Step,
 }
 
-#[derive(Debug, Clone, PartialEq)]
+/// What its file says.
+#[derive(Serialize, Deserialize)]
+struct Specification {
+    events: Vec<Event>,
+    faults: Vec<Fault>,
+    seed: u64,
+}
+
+impl From<Specification> for Scenario {
+    fn from(Specification { events, faults, seed }: Specification) -> Self {
+        Self::new(events, faults, seed)
+    }
+}
+
+impl From<Scenario> for Specification {
+    fn from(Scenario { events, faults, seed, .. }: Scenario) -> Self {
+        Self { events, faults, seed }
+    }
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Event {
     time: Time,
     what: Action,
 }
 
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 enum Action {
     Override(String, f64),
     Bias(String, f64),
@@ -85,10 +100,9 @@ enum Action {
     End,
 }
 
-const ACTIONS: [&str; 3] = ["override", "bias", "reset"];
-
 impl Scenario {
     /// Reads a file.
+    #[cfg(feature = "files")]
     pub fn read(file: impl AsRef<Path>) -> Result<Self> {
         let file = file.as_ref();
         let text = cosim_base::files::read_input_text(file)
@@ -96,7 +110,7 @@ impl Scenario {
         if file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml")) {
             return faults::parse(&text, file);
         }
-        parse(&text, file)
+        osp::parse(&text, file)
     }
 
     /// Draws all random numbers of the faults from another root seed than that of the file.
@@ -222,81 +236,6 @@ impl Scenario {
     }
 }
 
-fn parse(text: &str, file: &Path) -> Result<Scenario> {
-    let json: Value = serde_json::from_str(text).map_err(|e| {
-        Error::new(Code::Scenario, "the scenario is not JSON").at_line(file, e.line()).why(e)
-    })?;
-    let wrong = |what: String| Error::new(Code::Scenario, what).at(file);
-    let Value::Object(root) = &json else {
-        return Err(wrong("the scenario is not a JSON object".to_owned()));
-    };
-    let mut problems = Vec::new();
-    problems.extend(unknown_key(root, &["description", "defaults", "events", "end"]).map(wrong));
-    let empty = Map::new();
-    let defaults = root.get("defaults").and_then(Value::as_object).unwrap_or(&empty);
-    problems.extend(unknown_key(defaults, &["model", "variable", "action"]).map(wrong));
-    let Some(list) = root.get("events").and_then(Value::as_array) else {
-        return Err(wrong("the scenario has no list \"events\"".to_owned()));
-    };
-    let mut events = Vec::new();
-    for (position, event) in list.iter().enumerate() {
-        match read_event(event, defaults) {
-            Ok(event) => events.push(event),
-            Err(what) => problems.push(wrong(format!("event {}: {what}", position + 1))),
-        }
-    }
-    if let Some(end) = root.get("end") {
-        match time(Some(end)) {
-            Ok(time) => events.push(Event { time, what: Action::End }),
-            Err(what) => problems.push(wrong(format!("\"end\": {what}"))),
-        }
-    }
-    Error::all(problems)?;
-    Ok(Scenario::new(events, Vec::new(), 0))
-}
-
-fn read_event(event: &Value, defaults: &Map<String, Value>) -> Result<Event, String> {
-    let event = event.as_object().ok_or("it is not a JSON object")?;
-    let known = ["time", "model", "variable", "action", "value"];
-    if let Some(what) = unknown_key(event, &known) {
-        return Err(what);
-    }
-    let text = |name: &str| {
-        let found = event.get(name).or_else(|| defaults.get(name));
-        let text = found.and_then(Value::as_str);
-        text.ok_or_else(|| format!("\"{name}\" is missing, here and in \"defaults\""))
-    };
-    let time = time(event.get("time"))?;
-    let name = format!("{}.{}", text("model")?, text("variable")?);
-    let value = match event.get("value") {
-        Some(Value::Bool(value)) => Some(f64::from(u8::from(*value))),
-        value => value.and_then(Value::as_f64),
-    };
-    let value = || value.ok_or("\"value\" is missing, or neither a number nor a Boolean");
-    let what = match text("action")? {
-        "override" => Action::Override(name, value()?),
-        "bias" => Action::Bias(name, value()?),
-        "reset" => Action::Reset(name),
-        other => {
-            let help =
-                names::did_you_mean(other, ACTIONS).map_or(String::new(), |h| format!(", {h}"));
-            return Err(format!("\"{other}\" is not one of {}{help}", ACTIONS.join(", ")));
-        }
-    };
-    Ok(Event { time, what })
-}
-
-fn time(value: Option<&Value>) -> Result<Time, String> {
-    let seconds = value.and_then(Value::as_f64).ok_or("\"time\" is missing or not a number")?;
-    time::from_seconds(seconds, "the time").map_err(|e| e.what().to_owned())
-}
-
-fn unknown_key(object: &Map<String, Value>, known: &[&str]) -> Option<String> {
-    let unknown = object.keys().find(|key| !known.contains(&key.as_str()))?;
-    let help = names::did_you_mean(unknown, known.iter().copied());
-    Some(format!("\"{unknown}\" is unknown; {}", help.unwrap_or_else(|| known.join(", "))))
-}
-
 impl Manipulator for Scenario {
     fn start(&mut self, system: &System, resumed: Option<Time>) -> Result<()> {
         let names = self.events.iter().filter_map(|event| match &event.what {
@@ -418,37 +357,4 @@ impl Scenario {
 /// before and after it.
 fn at_once(fault: &Fault) -> bool {
     matches!((&fault.begin, fault.installed), (Begin::At(from), Some(at)) if *from == at)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn defaults_fill_in_and_the_order_is_that_of_time() {
-        let text = r#"{"defaults": {"model": "a", "variable": "x", "action": "override"}, "end": 9,
-            "events": [{"time": 2, "action": "reset"}, {"time": 1, "value": true},
-                       {"time": 2, "model": "b", "action": "bias", "value": -1.5}]}"#;
-        let scenario = parse(text, Path::new("s.json")).unwrap();
-        let at = |seconds, what| Event { time: Time::from_seconds(seconds), what };
-        let wanted = [
-            at(1.0, Action::Override("a.x".into(), 1.0)),
-            at(2.0, Action::Reset("a.x".into())),
-            at(2.0, Action::Bias("b.x".into(), -1.5)),
-            at(9.0, Action::End),
-        ];
-        assert_eq!(scenario.events, wanted);
-    }
-
-    #[test]
-    fn every_mistake_is_reported_with_its_event() {
-        let text = r#"{"event": [], "events": [{"time": "x"}, {"time": 1, "model": "a"},
-            {"time": 1, "model": "a", "variable": "x", "action": "overide", "value": 1}]}"#;
-        let error = parse(text, Path::new("s.json")).unwrap_err().to_string();
-        for part in ["did you mean 'events'", "event 1: \"time\"", "event 2: \"variable\""] {
-            assert!(error.contains(part), "{part}: {error}");
-        }
-        assert!(error.contains("did you mean 'override'") && error.contains("4 problems"));
-        assert!(parse("{\n,", Path::new("s.json")).unwrap_err().to_string().contains("s.json:2"));
-    }
 }

@@ -32,13 +32,30 @@ pub struct Fmu {
     /// An instance was abandoned while its code may still run: the library stays mapped.
     pub(super) abandoned: AtomicBool,
     /// Declared last: the library is unmapped before its file is removed.
-    folder: Unpacked,
+    folder: Folder,
+}
+
+/// Where its files are.
+enum Folder {
+    /// Unpacked here, and removed with the value.
+    Own(Unpacked),
+    /// Unpacked by someone else, who keeps it.
+    Foreign(PathBuf),
+}
+
+impl Folder {
+    fn path(&self) -> &Path {
+        match self {
+            Self::Own(unpacked) => unpacked.path(),
+            Self::Foreign(folder) => folder,
+        }
+    }
 }
 
 /// Identifies an unchanged file without reading it: path, size and modification time.
 type Identity = (PathBuf, u64, Option<SystemTime>);
 
-/// Identifies files with the same FMU: their SHA-256.
+/// Identifies files with the same FMU: their SHA-256; for a folder, that of its path.
 type Content = [u8; 32];
 
 /// Maximum number of remembered identities; others are forgotten, and read again when needed.
@@ -83,17 +100,21 @@ impl Fmu {
             contents.clear();
         }
         contents.insert(identity, content);
-        if let Some(fmu) = open.get(&content).and_then(Weak::upgrade) {
-            return Ok(fmu);
-        }
-        let fmu = Arc::new(Self::unpack(path, room)?);
-        open.retain(|_, fmu| fmu.strong_count() > 0);
-        open.insert(content, Arc::downgrade(&fmu));
-        Ok(fmu)
+        shared(open, content, || {
+            Self::read(path, Folder::Own(archive::unpack_within(path, is_used, room)?))
+        })
     }
 
-    fn unpack(path: &Path, room: &mut Room) -> Result<Self> {
-        let folder = archive::unpack_within(path, is_used, room)?;
+    /// Opens the unpacked FMU in the folder `path`, which must stay as it is while the FMU is in use.
+    pub fn open_unpacked(path: &Path) -> Result<Arc<Self>> {
+        let folder = path.canonicalize().map_err(|e| missing(path, e))?;
+        let content = Sha256::digest(folder.as_os_str().as_encoded_bytes()).into();
+        let mut registry = REGISTRY.lock().unwrap_or_else(PoisonError::into_inner);
+        let Registry { open, .. } = registry.get_or_insert_default();
+        shared(open, content, || Self::read(path, Folder::Foreign(folder)))
+    }
+
+    fn read(path: &Path, folder: Folder) -> Result<Self> {
         let file = folder.path().join("modelDescription.xml");
         if !file.is_file() {
             return Err(Error::new(Code::Archive, "the archive has no modelDescription.xml")
@@ -309,6 +330,21 @@ impl Drop for Fmu {
     }
 }
 
+/// The FMU with this content that is in use, or else a new one.
+fn shared(
+    open: &mut HashMap<Content, Weak<Fmu>>,
+    content: Content,
+    new: impl FnOnce() -> Result<Fmu>,
+) -> Result<Arc<Fmu>> {
+    if let Some(fmu) = open.get(&content).and_then(Weak::upgrade) {
+        return Ok(fmu);
+    }
+    let fmu = Arc::new(new()?);
+    open.retain(|_, fmu| fmu.strong_count() > 0);
+    open.insert(content, Arc::downgrade(&fmu));
+    Ok(fmu)
+}
+
 fn content(path: &Path) -> Result<Content> {
     let unreadable = |e| Error::new(Code::File, "the FMU cannot be read").at(path).why(e);
     let mut file = cosim_base::files::open_input(path).map_err(unreadable)?;
@@ -323,14 +359,8 @@ fn content(path: &Path) -> Result<Content> {
 }
 
 fn identity(path: &Path) -> Result<Identity> {
-    let missing = |e| {
-        Error::new(Code::File, "the FMU cannot be opened")
-            .at(path)
-            .why(e)
-            .help("check the path; in a system description it is relative to that file")
-    };
-    let full = path.canonicalize().map_err(missing)?;
-    let metadata = full.metadata().map_err(missing)?;
+    let full = path.canonicalize().map_err(|e| missing(path, e))?;
+    let metadata = full.metadata().map_err(|e| missing(path, e))?;
     if metadata.is_dir() {
         return Err(Error::new(Code::File, "the FMU is a folder")
             .at(path)
@@ -340,6 +370,13 @@ fn identity(path: &Path) -> Result<Identity> {
         return Err(Error::new(Code::File, "the FMU is not a file").at(path));
     }
     Ok((full, metadata.len(), metadata.modified().ok()))
+}
+
+fn missing(path: &Path, why: std::io::Error) -> Error {
+    Error::new(Code::File, "the FMU cannot be opened")
+        .at(path)
+        .why(why)
+        .help("check the path; in a system description it is relative to that file")
 }
 
 #[cfg(test)]

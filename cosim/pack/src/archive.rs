@@ -1,17 +1,12 @@
-//! The file of an exported FMU: with fixed times and permissions, so that the same content gives
-//! the same bytes, and under its final name only when it is complete.
+//! The files of an exported FMU.
 
-use std::fs::{self, File};
-use std::io::Write;
+use std::fs;
 use std::path::{Path, PathBuf};
 
-use zip::result::ZipError;
-use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, DateTime, ZipWriter};
-
 use cosim_base::error::{Code, Error, Result};
-use cosim_base::files::{Unfinished, read_input};
+use cosim_base::files::read_input;
 use cosim_base::sha256;
+use cosim_import::archive;
 
 /// Path in the archive, with `/` as separator, and content.
 pub type Entry = (String, Content);
@@ -24,7 +19,6 @@ pub struct Content {
 
 enum What {
     Bytes(Vec<u8>),
-    /// An FMU, which is already compressed.
     File(PathBuf),
 }
 
@@ -38,7 +32,7 @@ impl Content {
     /// From a file, which is read again when it is packed.
     pub fn file(path: PathBuf) -> Result<Self> {
         let bytes = read_input(&path)
-            .map_err(|e| Error::new(Code::File, "the FMU cannot be read").at(&path).why(e))?;
+            .map_err(|e| Error::new(Code::File, "the file cannot be read").at(&path).why(e))?;
         Ok(Self { digest: sha256(bytes), what: What::File(path) })
     }
 
@@ -48,34 +42,32 @@ impl Content {
     }
 }
 
-/// Writes the archive.
-pub fn write(path: &Path, entries: &[Entry]) -> Result<()> {
-    let unwritten = |e: &dyn std::fmt::Display| {
-        Error::new(Code::Output, "the FMU cannot be written").at(path).why(e)
-    };
-    let folder = path.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    fs::create_dir_all(folder).map_err(|e| unwritten(&e))?;
-    let unfinished = Unfinished::new(path).map_err(|e| unwritten(&e))?;
-    pack(unfinished.file(), entries).map_err(|e| unwritten(&e))?;
-    unfinished.finish().map_err(|e| unwritten(&e))
-}
-
-fn pack(file: &File, entries: &[Entry]) -> Result<(), ZipError> {
-    let mut zip = ZipWriter::new(file);
-    let options = SimpleFileOptions::default()
-        .last_modified_time(DateTime::default())
-        .unix_permissions(0o644);
-    for (name, content) in entries {
-        let method = match content.what {
-            What::Bytes(_) => CompressionMethod::Deflated,
-            What::File(_) => CompressionMethod::Stored,
-        };
-        zip.start_file(name.as_str(), options.compression_method(method))?;
-        match &content.what {
-            What::Bytes(bytes) => zip.write_all(bytes)?,
-            What::File(path) => drop(std::io::copy(&mut File::open(path)?, &mut zip)?),
+/// The files in a folder and its subfolders, by relative path.
+pub fn files(folder: &Path) -> Result<Vec<Entry>> {
+    let unread =
+        |why| Error::new(Code::File, "an unpacked file cannot be read").at(folder).why(why);
+    let mut found = Vec::new();
+    let mut folders = vec![(String::new(), folder.to_owned())];
+    while let Some((above, folder)) = folders.pop() {
+        for entry in fs::read_dir(folder).map_err(unread)? {
+            let entry = entry.map_err(unread)?;
+            let name = format!("{above}{}", entry.file_name().to_string_lossy());
+            match entry.file_type().map_err(unread)?.is_dir() {
+                true => folders.push((name + "/", entry.path())),
+                false => found.push((name, Content::file(entry.path())?)),
+            }
         }
     }
-    zip.finish()?;
-    Ok(())
+    found.sort_by(|(a, _), (b, _)| a.cmp(b));
+    Ok(found)
+}
+
+/// Writes the archive.
+pub fn write(path: &Path, entries: &[Entry]) -> Result<()> {
+    let entries = entries.iter().map(|(name, content)| match &content.what {
+        What::Bytes(bytes) => (name.as_str(), archive::Content::Bytes(bytes)),
+        What::File(file) => (name.as_str(), archive::Content::File(file)),
+    });
+    archive::write(path, entries)
+        .map_err(|e| Error::new(Code::Output, "the FMU cannot be written").at(path).why(e))
 }

@@ -3,16 +3,15 @@
 //! other tools.
 
 use std::collections::BTreeMap;
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use super::archive::{Content, Entry};
+use super::Inner;
+use super::archive::{self, Content, Entry};
 use super::description::Description;
 use super::library::Library;
-use cosim_base::error::{Code, Error, Result};
+use cosim_base::error::Result;
 use cosim_base::xml::Element;
 use cosim_core::system::{Component, Model, base_step};
-use cosim_import::archive;
 use cosim_report::{Block, Page, Section, Table};
 
 /// The folder for the licences of an FMU (FMI 2.0, 2.3).
@@ -22,11 +21,11 @@ const LICENSE_APACHE: &str = include_str!("../LICENSE-APACHE");
 /// Linked components; drawn from `icon.svg` in this folder.
 const ICON: &[u8] = include_bytes!("icon.png");
 
-/// The documentation files. `inside`: the FMUs by their names in the resources.
+/// The documentation files.
 pub(super) fn entries(
     described: &Description<'_>,
     guid: &str,
-    inside: &[(String, PathBuf)],
+    inside: &[Inner],
     libraries: &[Library],
 ) -> Result<Vec<Entry>> {
     let roots = described.roots()?;
@@ -48,44 +47,24 @@ pub(super) fn entries(
         terms.push_str("What it is made of, with its terms: cosim.txt in this folder.\n");
     }
     terms.push_str("\nThe FMUs inside keep their own licences:\n");
-    for (name, path) in inside {
+    for Inner { name, path, folder } in inside {
         let stem = Path::new(name).file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        let own = licenses(path)?;
+        let own = licenses(folder.path())?;
         let says = roots.get(path.as_path()).and_then(|root| root.get("license")).unwrap_or("");
         let place = if own.is_empty() { String::new() } else { format!(" (folder {stem})") };
         let said = if says.is_empty() { "does not say" } else { says };
         terms.push_str(&format!("- {stem}: {said}{place}\n"));
-        entries.extend(
-            own.into_iter()
-                .map(|(file, bytes)| (format!("{LICENSES}/{stem}/{file}"), Content::bytes(bytes))),
-        );
+        let own = own.into_iter();
+        entries.extend(own.map(|(file, what)| (format!("{LICENSES}/{stem}/{file}"), what)));
     }
     entries.push((format!("{LICENSES}/license.txt"), Content::bytes(terms)));
     Ok(entries)
 }
 
-/// The licence files that an FMU contains, in alphabetical order.
-fn licenses(fmu: &Path) -> Result<Vec<(String, Vec<u8>)>> {
-    let folder = archive::unpack_part(fmu, |file| file.starts_with(LICENSES))?;
-    let root = folder.path().join(LICENSES);
-    let (mut folders, mut files) = (vec![root.clone()], Vec::new());
-    while let Some(folder) = folders.pop() {
-        // Without such a folder there are no such files.
-        for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-            let path = entry.path();
-            if path.is_dir() {
-                folders.push(path);
-                continue;
-            }
-            let bytes = cosim_base::files::read_input(&path).map_err(|e| {
-                Error::new(Code::File, "a licence of the FMU cannot be read").at(fmu).why(e)
-            })?;
-            let name = path.strip_prefix(&root).unwrap_or(&path).to_string_lossy().into_owned();
-            files.push((name, bytes));
-        }
-    }
-    files.sort();
-    Ok(files)
+/// The licence files of an unpacked FMU, in alphabetical order.
+fn licenses(folder: &Path) -> Result<Vec<Entry>> {
+    let folder = folder.join(LICENSES);
+    if folder.is_dir() { archive::files(&folder) } else { Ok(Vec::new()) }
 }
 
 /// The page: components, connections, stepping, variables.

@@ -1,9 +1,9 @@
 //! A whole system as one FMU for co-simulation (FMI 2.0).
 //!
-//! Its resources contain the description of the system, as written by `System::write`, the
-//! unchanged FMUs, and the meaning of the value references. Its library is the same for all systems
-//! and runs them with the engine (`cosim_core::hosted`). Everything is checked before it is
-//! written, and the same system gives the same bytes.
+//! Its resources contain the description of the system, as written by `System::write`, the unpacked
+//! FMUs, and the meaning of the value references. Its library is the same for all systems and runs
+//! them with the engine (`cosim_core::hosted`). Everything is checked before it is written, and the
+//! same system gives the same bytes.
 //!
 //! | file | what |
 //! |---|---|
@@ -35,8 +35,9 @@ use cosim_core::hosted::MARK;
 use cosim_core::hosted::{self, Interface, Running};
 use cosim_core::master::Manipulator;
 use cosim_core::scenario::Scenario;
-use cosim_core::system::System;
+use cosim_core::system::{Packed, System};
 use cosim_import::Value;
+use cosim_import::archive::{Unpacked, unpack};
 use description::Description;
 
 /// The library of exported systems.
@@ -123,7 +124,12 @@ impl Export {
         let libraries = library::find(&LIBRARY, &self.libraries)?;
         libraries.iter().try_for_each(|library| library::check(library, system))?;
         let chosen = choice::choose(system, &self.expose, &self.hide)?;
-        let entries = self.entries(system, &chosen, libraries)?;
+        let packed = system.packed("fmus/")?;
+        let inner = packed.fmus.iter().map(|(name, path)| {
+            Ok(Inner { name: name.clone(), path: path.clone(), folder: unpack(path)? })
+        });
+        let inner = inner.collect::<Result<Vec<_>>>()?;
+        let entries = self.entries(system, &chosen, packed, &inner, libraries)?;
         archive::write(path, &entries)?;
         Ok(notes(system, &chosen))
     }
@@ -132,27 +138,25 @@ impl Export {
         &self,
         system: &System,
         chosen: &[Chosen],
+        packed: Packed,
+        inner: &[Inner],
         libraries: Vec<library::Library>,
     ) -> Result<Vec<Entry>> {
         let model_name = self.name.as_deref().unwrap_or(system.name());
         let identifier = identifier(model_name);
         let description = Description { system, chosen, model_name, identifier: &identifier };
-        let packed = system.packed("fmus/")?;
         let exposed = chosen.iter().map(|chosen| chosen.exposed.clone()).collect();
         let mut interface = Interface::new(packed.name, running(system), exposed);
-        let inside = packed
-            .fmus
-            .iter()
-            .map(|(name, path)| Ok((format!("resources/{name}"), Content::file(path.clone())?)));
-        let mut inside = inside.collect::<Result<Vec<Entry>>>()?;
         if let Some(file) = &self.scenario {
-            let mut scenario = Scenario::read(file)?;
+            let scenario = Scenario::read(file)?;
             scenario.runs_without_records().map_err(|why| why.at(file))?;
-            scenario.start(system, None)?;
-            let end = file.extension().and_then(|end| end.to_str()).unwrap_or_default();
-            let name = format!("scenario.{}", end.to_ascii_lowercase());
-            inside.push((format!("resources/{name}"), Content::file(file.clone())?));
-            interface.scenario = Some(name);
+            scenario.clone().start(system, None)?;
+            interface.scenario = Some(scenario);
+        }
+        let mut inside = Vec::new();
+        for Inner { name, folder, .. } in inner {
+            let files = archive::files(folder.path())?.into_iter();
+            inside.extend(files.map(|(file, what)| (format!("resources/{name}/{file}"), what)));
         }
         let (described, listed) = (description.text("")?, interface.bytes()?);
         let files = inside.iter().map(|(_, content)| content.digest().as_bytes());
@@ -161,7 +165,7 @@ impl Export {
         interface.guid.clone_from(&guid);
         let text = description.text(&guid)?;
         let mut entries = vec![("modelDescription.xml".to_owned(), Content::bytes(text))];
-        entries.extend(documentation::entries(&description, &guid, &packed.fmus, &libraries)?);
+        entries.extend(documentation::entries(&description, &guid, inner, &libraries)?);
         entries.extend(libraries.into_iter().map(|library| {
             let name = format!("binaries/{}/{identifier}.so", library.folder);
             (name, Content::bytes(library.bytes))
@@ -172,6 +176,14 @@ impl Export {
         entries.extend(inside);
         Ok(entries)
     }
+}
+
+/// An FMU of the system.
+struct Inner {
+    /// Its folder in the resources.
+    name: String,
+    path: PathBuf,
+    folder: Unpacked,
 }
 
 /// How the system is run, as far as its description does not specify it.

@@ -18,11 +18,13 @@ pub use kind::{KINDS, Kind, Meant, Meanwhile, Spread, Word};
 pub use schema::schema;
 pub use window::Window;
 
+use serde::{Deserialize, Serialize};
+
 use crate::condition::Condition;
 use cosim_base::time::Time;
 
 /// The specification of a fault.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Fault {
     /// The variables on which it acts, with their names in the results; `*` and `?` match parts of
     /// names.
@@ -45,7 +47,7 @@ pub struct Fault {
 }
 
 /// When a fault begins.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub enum Begin {
     /// With the run.
     Start,
@@ -58,7 +60,7 @@ pub enum Begin {
 }
 
 /// When a fault ends.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum End {
     /// With the run.
     Never,

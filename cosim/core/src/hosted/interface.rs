@@ -5,6 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::scenario::Scenario;
 use crate::solver::Method;
 use crate::system::Conversion;
 use cosim_base::error::{Code, Error, Result};
@@ -14,21 +15,21 @@ use cosim_import::{Basic, Value};
 pub const FILE: &str = "interface.bin";
 
 /// Format version of the file. A library reads only its own.
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 
 /// The marker among the bytes of a library that serves exported systems of this format.
-pub const MARK: &str = "cosim serves exported systems of version 3";
+pub const MARK: &str = "cosim serves exported systems of version 4";
 
 /// The variables of an exported FMU, and how its system is run.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Interface {
     version: u32,
     /// The GUID of the FMU.
     pub guid: String,
     /// The description of the system in the resources.
     pub system: String,
-    /// The file in the resources with faults and changes, if there are any.
-    pub scenario: Option<String>,
+    /// Faults and changes, if there are any.
+    pub scenario: Option<Scenario>,
     /// How its system is run.
     pub running: Running,
     /// In the order of the modelDescription.xml. A value reference is an index within its type.

@@ -87,11 +87,10 @@ impl Hosted {
         let mailbox = Arc::new(Mailbox::default());
         let logging = Logging { debug, mailbox: Some(mailbox.clone()), ..Logging::default() };
         let overrides = overrides(&interface)?;
-        let system = System::load(resources.join(&interface.system), &overrides)?;
+        let system = System::load_unpacked(&resources.join(&interface.system), &overrides)?;
         for component in system.components() {
             component.fmu().map_or(Ok(()), |fmu| fmu.load(component.interface))?;
         }
-        let scenario = interface.scenario.as_ref().map(|name| Scenario::read(resources.join(name)));
         let (system, table) = Table::new(system.logging_to(logging), &interface)?;
         let components = system.components().len();
         Ok(Self {
@@ -108,7 +107,7 @@ impl Hosted {
             unread: vec![true; components],
             pending: Vec::new(),
             unsettled: false,
-            scenario: scenario.transpose()?,
+            scenario: interface.scenario,
             acted: None,
             system,
         })

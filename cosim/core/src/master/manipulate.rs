@@ -45,6 +45,7 @@ pub struct Controls<'a> {
 }
 
 impl<'a> Controls<'a> {
+    #[cfg(feature = "files")]
     pub(crate) fn system(&self) -> &'a System {
         self.system
     }

@@ -129,7 +129,7 @@ mod tests {
         let text = r#"{"defaults": {"model": "a", "variable": "x"}, "events": [
             {"time": 1, "action": "override", "value": 2}, {"time": 3, "action": "reset"},
             {"time": 4, "action": "bias", "value": 1}]}"#;
-        let scenario = super::super::parse(text, std::path::Path::new("s.json")).unwrap();
+        let scenario = super::super::osp::parse(text, std::path::Path::new("s.json")).unwrap();
         let found = scenario.windows(&Recording::new());
         let window =
             |word: &str, from, until| Window { label: format!("{word} of a.x"), from, until };

@@ -37,7 +37,7 @@ pub use input::Input;
 pub use order::{Loop, Order};
 pub use overrides::Overrides;
 pub use raw::RawUnit;
-pub use write::base_step;
+pub use write::{Packed, base_step};
 
 /// A checked system.
 pub struct System {
@@ -194,7 +194,16 @@ impl Column {
 impl System {
     /// Reads and checks a system: .ssd, .ssp, `OspSystemStructure.xml` or the folder of the latter.
     pub fn load(path: impl AsRef<Path>, overrides: &Overrides) -> Result<Self> {
-        let mut raw = read::read(path.as_ref())?;
+        Self::read(path.as_ref(), overrides, false)
+    }
+
+    /// The same for a file whose FMUs are unpacked folders.
+    pub(crate) fn load_unpacked(path: &Path, overrides: &Overrides) -> Result<Self> {
+        Self::read(path, overrides, true)
+    }
+
+    fn read(path: &Path, overrides: &Overrides, unpacked: bool) -> Result<Self> {
+        let mut raw = read::read(path, unpacked)?;
         let mut problems = std::mem::take(&mut raw.problems);
         problems.extend(raw.leave_out(&overrides.without));
         check::check(Arc::new(raw), overrides, problems)

@@ -10,7 +10,11 @@ use cosim_import::archive::{self, Room, Unpacked};
 
 /// FMUs by the path under which they were requested, and the room that is left for archives.
 #[derive(Default)]
-pub(super) struct OpenedFmus(Mutex<Opened>);
+pub(super) struct OpenedFmus {
+    /// The FMUs of the file are unpacked.
+    unpacked: bool,
+    opened: Mutex<Opened>,
+}
 
 #[derive(Default)]
 struct Opened {
@@ -20,13 +24,20 @@ struct Opened {
 }
 
 impl OpenedFmus {
+    pub(super) fn new(unpacked: bool) -> Self {
+        Self { unpacked, ..Self::default() }
+    }
+
     /// The FMU at `path`, opened on the first request.
     pub(super) fn open(&self, path: &Path) -> Result<Arc<Fmu>> {
         let mut opened = self.lock();
         if let Some(fmu) = opened.fmus.get(path) {
             return fmu.clone();
         }
-        let fmu = Fmu::open_within(path, &mut opened.room);
+        let fmu = match self.unpacked {
+            true => Fmu::open_unpacked(path),
+            false => Fmu::open_within(path, &mut opened.room),
+        };
         opened.fmus.insert(path.to_owned(), fmu.clone());
         fmu
     }
@@ -42,6 +53,6 @@ impl OpenedFmus {
     }
 
     fn lock(&self) -> MutexGuard<'_, Opened> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+        self.opened.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

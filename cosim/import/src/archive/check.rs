@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use zip::unstable::read::ZipIterable;
 use zip::{CompressionMethod, ZipReadOptions};
 
-use super::{broken, refused};
+use super::read::{broken, refused};
 use cosim_base::error::{Code, Error, Result};
 
 const MAX_ENTRIES: usize = 10_000;

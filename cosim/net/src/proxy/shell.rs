@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::write::{binaries, files};
+use super::write::binaries;
 use cosim_base::error::{Code, Error, Result};
 use cosim_import::temporary::Unpacked;
 use cosim_import::{Fmu, archive as packed};
@@ -17,7 +17,7 @@ pub(crate) fn of(file: &Path) -> Result<(Vec<String>, Vec<u8>)> {
     let public = packed::unpack_part(file, is_public)?;
     let folder = Unpacked::new()?;
     let shell = folder.path().join("shell.fmu");
-    archive::write(&shell, &files(public.path())?)?;
+    archive::write(&shell, &archive::files(public.path())?)?;
     let bytes = fs::read(&shell).map_err(|why| unkept(&shell).why(why))?;
     Ok((platforms.into_iter().map(str::to_owned).collect(), bytes))
 }

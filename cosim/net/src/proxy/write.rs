@@ -13,7 +13,7 @@ use cosim_base::xml;
 use cosim_import::proxy::MARK;
 use cosim_import::proxy::manifest::{self, CONNECTION, FILE, Manifest};
 use cosim_import::{Fmu, InterfaceType, archive as packed, elf};
-use cosim_pack::archive::{self, Content, Entry};
+use cosim_pack::archive::{self, Content};
 use cosim_pack::library::{self, Kind, Library};
 use cosim_pack::{guid, identifier};
 
@@ -181,7 +181,7 @@ impl Proxy {
         manifest.guid = guid([draft.as_bytes(), sha256.as_bytes()].into_iter());
         let text = description::text(&root, interface, once, &identifier, &manifest.guid);
         let mut entries = vec![("modelDescription.xml".to_owned(), Content::bytes(text))];
-        entries.extend(files(for_people.path())?);
+        entries.extend(archive::files(for_people.path())?);
         entries.extend(libraries.into_iter().map(|library| {
             let name = format!("binaries/{}/{identifier}.so", library.folder);
             (name, Content::bytes(library.bytes))
@@ -278,28 +278,5 @@ pub(super) fn binaries(fmu: &Fmu) -> Result<Vec<&'static str>> {
         // existing ones.
         fmu.digest(InterfaceType::CoSimulation)?;
     }
-    Ok(found)
-}
-
-/// The files in a folder and its subfolders, by relative path.
-pub(super) fn files(folder: &Path) -> Result<Vec<Entry>> {
-    let unread =
-        |why| Error::new(Code::File, "an unpacked file cannot be read").at(folder).why(why);
-    let mut found = Vec::new();
-    let mut folders = vec![(String::new(), folder.to_owned())];
-    while let Some((above, folder)) = folders.pop() {
-        for entry in fs::read_dir(folder).map_err(unread)? {
-            let entry = entry.map_err(unread)?;
-            let name = format!("{above}{}", entry.file_name().to_string_lossy());
-            match entry.file_type().map_err(unread)?.is_dir() {
-                true => folders.push((name + "/", entry.path())),
-                false => {
-                    let bytes = fs::read(entry.path()).map_err(unread)?;
-                    found.push((name, Content::bytes(bytes)));
-                }
-            }
-        }
-    }
-    found.sort_by(|(a, _), (b, _)| a.cmp(b));
     Ok(found)
 }

@@ -12,10 +12,10 @@ use crate::command::text;
 use crate::models::Model::{Gain, Integrator};
 use crate::ssd::Ssd;
 
-/// Number of lifecycles, and what each may leave (bytes): some lists of the dynamic linker grow for
-/// a while.
+/// Number of lifecycles, and what each may leave (bytes): the dynamic linker keeps the paths of the
+/// libraries, here of three in folders that are new each time, and some of its lists grow.
 const CYCLES: usize = 60;
-const LEFT: usize = 1024;
+const LEFT: usize = 2048;
 /// Names the FMU to the child process.
 const VARIABLE: &str = "COSIM_TEST_LIFECYCLES_OF";
 

@@ -138,6 +138,10 @@ fn other_libraries_are_refused() {
     refused(&file, &["--library", same], 2, &["two libraries are for linux64"]);
 }
 
+/// Files of the FMU inside.
+const LIBRARY: &str = "resources/fmus/GAIN.fmu/binaries/linux64/GAIN.so";
+const DESCRIPTION: &str = "resources/fmus/GAIN.fmu/modelDescription.xml";
+
 /// An exported FMU, repacked with a changed file in its resources.
 fn changed(name: &str, bytes: Option<&[u8]>) -> (TempDir, std::path::PathBuf) {
     let exported = export(&Ssd::new().add("g", Gain).write(), &[]);
@@ -146,7 +150,8 @@ fn changed(name: &str, bytes: Option<&[u8]>) -> (TempDir, std::path::PathBuf) {
         "modelDescription.xml",
         "binaries/linux64/test.so",
         "resources/SystemStructure.ssd",
-        "resources/fmus/GAIN.fmu",
+        LIBRARY,
+        DESCRIPTION,
         "resources/interface.bin",
     ];
     let mut entries = Vec::new();
@@ -169,8 +174,10 @@ fn without_sound_resources_there_is_no_instance_but_one_line() {
         ("resources/interface.bin", Some(&b"\x01x"[..]), "interface.bin"),
         ("resources/SystemStructure.ssd", None, "SystemStructure.ssd"),
         ("resources/SystemStructure.ssd", Some(b"<a/>"), "root element is <a>"),
-        ("resources/fmus/GAIN.fmu", None, "GAIN.fmu"),
-        ("resources/fmus/GAIN.fmu", Some(b"PK no"), "GAIN.fmu"),
+        (DESCRIPTION, None, "GAIN.fmu"),
+        (DESCRIPTION, Some(b"<a/>"), "GAIN.fmu"),
+        (LIBRARY, None, "GAIN.fmu"),
+        (LIBRARY, Some(b"no library"), "GAIN.fmu"),
     ] {
         let (_folder, fmu) = changed(name, bytes);
         let mailbox = Arc::new(Mailbox::default());

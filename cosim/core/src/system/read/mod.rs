@@ -10,6 +10,7 @@ mod ssp;
 
 use std::path::{Path, PathBuf};
 
+use super::opened::OpenedFmus;
 use super::raw::RawSystem;
 use cosim_base::error::{Code, Error, Result};
 use cosim_base::xml::{self, Element};
@@ -29,15 +30,18 @@ pub(super) fn is_system(path: &Path) -> bool {
     path.is_dir() || ["ssd", "ssp", "xml"].into_iter().any(ends_with)
 }
 
-/// Reads a .ssd, .ssp or OspSystemStructure.xml file, or the folder of the latter.
-pub(super) fn read(path: &Path) -> Result<RawSystem> {
+/// Reads a .ssd, .ssp or OspSystemStructure.xml file, or the folder of the latter. Its FMUs are
+/// files, or `unpacked` folders.
+pub(super) fn read(path: &Path, unpacked: bool) -> Result<RawSystem> {
     let ends_with = |end| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(end));
     if ends_with("ssp") {
         return package(path);
     }
     let file: PathBuf = if path.is_dir() { in_folder(path)? } else { path.to_owned() };
     let root = xml::read(&file, &file)?;
-    any(&root, &file, Base::of_file(&file), Gathered::default())
+    let mut gathered = Gathered::default();
+    gathered.fmus = OpenedFmus::new(unpacked);
+    any(&root, &file, Base::of_file(&file), gathered)
 }
 
 /// Reads a system description from text instead of a file; it cannot refer to other files.

@@ -1,18 +1,16 @@
 //! Where the FMUs of a written system are: in place, beside it, or in its package.
 
 use std::collections::BTreeMap;
-use std::fs::{self, File};
-use std::io::Write;
+use std::fs;
 use std::path::{Path, PathBuf};
-
-use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, DateTime, ZipWriter};
 
 use super::unwritten;
 use crate::system::System;
-use crate::system::read::{SSD_FILE, write_source};
+use crate::system::read::SSD_FILE;
+use crate::system::read::write_source;
 use cosim_base::error::Result;
-use cosim_base::files::{Unfinished, copy};
+use cosim_base::files::copy;
+use cosim_import::archive::{self, Content};
 
 /// Sources of the components and the files to be copied.
 pub(super) struct Files {
@@ -90,25 +88,9 @@ impl Files {
     /// Writes the package: the description first, then the unchanged FMUs. The same system gives
     /// the same bytes.
     pub(super) fn pack(&self, path: &Path, description: &[u8]) -> Result<()> {
-        if let Some(parent) = path.parent() {
-            fs::create_dir_all(parent).map_err(|e| unwritten(parent, e))?;
-        }
-        let unfinished = Unfinished::new(path).map_err(|e| unwritten(path, e))?;
-        self.pack_into(unfinished.file(), description).map_err(|e| unwritten(path, e))?;
-        unfinished.finish().map_err(|e| unwritten(path, e))
-    }
-
-    fn pack_into(&self, file: &File, description: &[u8]) -> Result<(), zip::result::ZipError> {
-        let mut zip = ZipWriter::new(file);
-        let options = SimpleFileOptions::default().last_modified_time(DateTime::default());
-        zip.start_file(SSD_FILE, options.compression_method(CompressionMethod::Deflated))?;
-        zip.write_all(description)?;
-        let stored = options.compression_method(CompressionMethod::Stored);
-        for (name, from) in &self.copies {
-            zip.start_file(name.as_str(), stored)?;
-            std::io::copy(&mut File::open(from)?, &mut zip)?;
-        }
-        zip.finish()?;
-        Ok(())
+        let fmus = self.copies.iter();
+        let fmus = fmus.map(|(name, from)| (name.as_str(), Content::Compressed(from)));
+        let entries = std::iter::once((SSD_FILE, Content::Bytes(description))).chain(fmus);
+        archive::write(path, entries).map_err(|e| unwritten(path, e))
     }
 }

@@ -127,6 +127,7 @@ impl System {
 pub struct Packed {
     /// Name of the description file.
     pub name: &'static str,
+    /// Its text.
     pub text: String,
     /// Names relative to the description, and the original files.
     pub fmus: Vec<(String, PathBuf)>,
