@@ -17,6 +17,10 @@
 
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "pictures")]
+mod convert;
+#[cfg(not(feature = "pictures"))]
+#[path = "convert/none.rs"]
 mod convert;
 mod decimate;
 mod declared;
