@@ -16,9 +16,12 @@ const SMOKE_CELLS: [&str; 5] =
 const SMOKE_MISSIONS: u32 = 8;
 
 /// What is done, in this order, with its name in the list of times.
-const STEPS: [(&str, fn() -> Result<()>); 15] = [
+const STEPS: [(&str, fn() -> Result<()>); 16] = [
     ("format", || cargo(&["fmt", "--all", "--check"])),
     ("lints", || cargo(&[&LINT[..], &["-D", "warnings"]].concat())),
+    ("program without its features", || {
+        cargo(&["check", "--release", "-p", "cosim", "--no-default-features", "--quiet"])
+    }),
     ("documentation of the code", || {
         let doc = ["doc", "--release", "--workspace", "--no-deps", "--quiet"];
         process::run(process::cargo(&doc).env("RUSTDOCFLAGS", "-D warnings"))

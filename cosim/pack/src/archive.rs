@@ -62,6 +62,16 @@ pub fn files(folder: &Path) -> Result<Vec<Entry>> {
     Ok(found)
 }
 
+/// Refuses a name that is not that of an FMU.
+pub fn check_ending(path: &Path) -> Result<()> {
+    if path.extension().is_some_and(|end| end.eq_ignore_ascii_case("fmu")) {
+        return Ok(());
+    }
+    Err(Error::new(Code::Usage, "the output file is not an .fmu")
+        .at(path)
+        .help("use a name that ends in .fmu"))
+}
+
 /// Writes the archive.
 pub fn write(path: &Path, entries: &[Entry]) -> Result<()> {
     let entries = entries.iter().map(|(name, content)| match &content.what {

@@ -15,7 +15,7 @@ use cosim_core::system::{Component, Model, base_step};
 use cosim_report::{Block, Page, Section, Table};
 
 /// The folder for the licences of an FMU (FMI 2.0, 2.3).
-const LICENSES: &str = "documentation/licenses";
+pub(super) const LICENSES: &str = "documentation/licenses";
 const LICENSE_MIT: &str = include_str!("../LICENSE-MIT");
 const LICENSE_APACHE: &str = include_str!("../LICENSE-APACHE");
 /// Linked components; drawn from `icon.svg` in this folder.

@@ -29,7 +29,7 @@ use sha2::{Digest, Sha256};
 
 use archive::{Content, Entry};
 use choice::Chosen;
-use cosim_base::error::{Code, Error, Result};
+use cosim_base::error::Result;
 use cosim_base::files;
 use cosim_core::hosted::MARK;
 use cosim_core::hosted::{self, Interface, Running};
@@ -37,7 +37,7 @@ use cosim_core::master::Manipulator;
 use cosim_core::scenario::Scenario;
 use cosim_core::system::{Packed, System};
 use cosim_import::Value;
-use cosim_import::archive::{Unpacked, unpack};
+use cosim_import::archive::{Unpacked, unpack_part};
 use description::Description;
 
 /// The library of exported systems.
@@ -114,11 +114,7 @@ impl Export {
     pub fn write(&self, system: &System, path: impl AsRef<Path>) -> Result<Vec<String>> {
         let path = path.as_ref();
         system.ready()?;
-        if !path.extension().is_some_and(|end| end.eq_ignore_ascii_case("fmu")) {
-            return Err(Error::new(Code::Usage, "the exported file is not an .fmu")
-                .at(path)
-                .help("use a name that ends in .fmu"));
-        }
+        archive::check_ending(path)?;
         let inputs = system.files().chain(self.scenario.as_deref());
         files::refuse_inputs(path, inputs)?;
         let libraries = library::find(&LIBRARY, &self.libraries)?;
@@ -126,7 +122,8 @@ impl Export {
         let chosen = choice::choose(system, &self.expose, &self.hide)?;
         let packed = system.packed("fmus/")?;
         let inner = packed.fmus.iter().map(|(name, path)| {
-            Ok(Inner { name: name.clone(), path: path.clone(), folder: unpack(path)? })
+            let folder = unpack_part(path, is_included)?;
+            Ok(Inner { name: name.clone(), path: path.clone(), folder })
         });
         let inner = inner.collect::<Result<Vec<_>>>()?;
         let entries = self.entries(system, &chosen, packed, &inner, libraries)?;
@@ -156,6 +153,7 @@ impl Export {
         let mut inside = Vec::new();
         for Inner { name, folder, .. } in inner {
             let files = archive::files(folder.path())?.into_iter();
+            let files = files.filter(|(file, _)| !file.starts_with("documentation/"));
             inside.extend(files.map(|(file, what)| (format!("resources/{name}/{file}"), what)));
         }
         let (described, listed) = (description.text("")?, interface.bytes()?);
@@ -184,6 +182,12 @@ struct Inner {
     name: String,
     path: PathBuf,
     folder: Unpacked,
+}
+
+/// Whether a file of an FMU is included: of its documentation, only the licences are, beside those of
+/// the other FMUs.
+fn is_included(file: &Path) -> bool {
+    !file.starts_with("documentation") || file.starts_with(documentation::LICENSES)
 }
 
 /// How the system is run, as far as its description does not specify it.

@@ -141,7 +141,7 @@ impl Proxy {
         path: impl AsRef<Path>,
     ) -> Result<Vec<String>> {
         let path = path.as_ref();
-        check_ending(path)?;
+        archive::check_ending(path)?;
         let parts = self.parts()?;
         let available =
             AvailableFmu::ask(&self.settings.accesses(), worker, fmu, self.settings.patience()?)?;
@@ -244,17 +244,8 @@ fn notes(fmu: &Fmu, platforms: &[&str]) -> Vec<String> {
     vec![format!("computed on workers with {}", platforms.join(", ")), state.to_owned()]
 }
 
-fn check_ending(path: &Path) -> Result<()> {
-    if path.extension().is_some_and(|end| end.eq_ignore_ascii_case("fmu")) {
-        return Ok(());
-    }
-    Err(Error::new(Code::Usage, "the output file is not an .fmu")
-        .at(path)
-        .help("use a name that ends in .fmu"))
-}
-
 fn check_paths(fmu: &Path, path: &Path) -> Result<()> {
-    check_ending(path)?;
+    archive::check_ending(path)?;
     match (fmu.canonicalize(), path.canonicalize()) {
         (Ok(one), Ok(other)) if one == other => {
             Err(Error::new(Code::Usage, "the remote FMU would replace the FMU itself")
