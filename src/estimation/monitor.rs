@@ -9,8 +9,9 @@
 //! update    s = h^T V (+ the direct effect of the thrust on the measurement)
 //!           C += s y / S,  J += s^2 / S,  V -= K s
 //! ```
-//! The share is estimated as C/J, its log-likelihood ratio against no loss is C^2/(2 J). Willsky &
-//! Jones (1976); Basseville & Nikiforov (1993) ch. 7.2.
+//! The share is estimated as C/J, its log-likelihood ratio against no loss is C^2/(2 J); that of a
+//! lost propeller, the share 1, is C - J/2. Willsky & Jones (1976); Basseville & Nikiforov (1993)
+//! ch. 7.2.
 
 use nalgebra::SMatrix;
 use serde::{Deserialize, Serialize};
@@ -92,10 +93,12 @@ impl<const N: usize> Default for ThrusterMonitor<N> {
     }
 }
 
-/// Twice the log-likelihood ratio of an alarm. Below about 60, a vehicle whose mass is wrong by 20 %
-/// or whose speed changes raises a false alarm every hour if its gyro is good, and the wrong
-/// thruster is named now and then; losses are still found within a second.
+/// Twice the log-likelihood ratio of an alarm, for a share that is estimated. Below about 60, a
+/// vehicle whose mass is wrong by 20 % or whose speed changes raises a false alarm every hour if its
+/// gyro is good, and the wrong thruster is named now and then.
 const THRESHOLD: f32 = 70.0;
+/// The same if the whole thrust is lost, which is more likely and seldom looks like anything else.
+const WHOLE_THRESHOLD: f32 = 55.0;
 /// Range of shares in which a lost propeller can be distinguished from a disturbance.
 const SHARES: core::ops::Range<f64> = 0.35..1.4;
 
@@ -108,7 +111,10 @@ impl<const N: usize> Monitor<N> for ThrusterMonitor<N> {
 
     fn judge(&mut self, now: f64) -> Option<Alarm<N>> {
         // C^2/J without a division; nearly always all are below.
-        let above = |k: usize| self.c[k] * self.c[k] > THRESHOLD * self.j[k];
+        let above = |k: usize| {
+            let (c, j) = (self.c[k], self.j[k]);
+            (c * c > THRESHOLD * j) | (2.0 * c - j > WHOLE_THRESHOLD)
+        };
         let best = || {
             (0..HYPOTHESES)
                 .filter(|&k| above(k) && SHARES.contains(&self.share(k)))
