@@ -201,4 +201,19 @@ mod tests {
             assert!(second < 12 || ages == want, "after {second} s: {ages:?}");
         }
     }
+
+    #[test]
+    fn a_whole_loss_needs_less_evidence_than_a_share() {
+        let alarm = |c: f32, j: f32| {
+            let mut monitor = ThrusterMonitor::<4>::default();
+            (monitor.c[12], monitor.j[12]) = (c, j);
+            monitor.judge(0.0).map(|alarm| (alarm.thruster, alarm.share))
+        };
+        // Twice the log-likelihood ratios: of the estimated share, of the share 1.
+        assert_eq!(alarm(60.0, 60.0), Some((4, 1.0)), "60, 60");
+        assert_eq!(alarm(120.0, 240.0), None, "60, 0");
+        assert_eq!(alarm(160.0, 320.0), Some((4, 0.5)), "80, 0");
+        assert_eq!(alarm(50.0, 50.0), None, "50, 50");
+        assert_eq!(alarm(40.0, 20.0), None, "80, 60, but of a share of 2");
+    }
 }
