@@ -17,6 +17,7 @@ use super::kinematics::skew;
 use super::parameters::{NavigationParameters, SensorErrors};
 use super::sensor::euler;
 use crate::ParameterError;
+use crate::sensors::Gaussian;
 
 const P: usize = 0;
 const V: usize = 3;
@@ -54,6 +55,9 @@ pub struct InertialBound {
     parameters: NavigationParameters,
     /// Samples of the inertial unit a second (Hz).
     rate_hz: f64,
+    /// Errors of estimators that reach the bound, one for each sample.
+    errors: Vec<SVector<f64, STATES>>,
+    noise: Gaussian,
 }
 
 impl InertialBound {
@@ -73,7 +77,23 @@ impl InertialBound {
             sigma[B_G + i] = sensors.gyro.turn_on_sigma;
         }
         let covariance = SMatrix::from_diagonal(&sigma.component_mul(&sigma));
-        Ok(Self { covariance, parameters: *p, rate_hz })
+        let (errors, noise) = (Vec::new(), Gaussian::new(0, 0_u64));
+        Ok(Self { covariance, parameters: *p, rate_hz, errors, noise })
+    }
+
+    /// With this many samples of the errors, drawn with a seed: how measures of a mission scatter if
+    /// its estimator reaches the bound.
+    #[must_use]
+    pub fn with_samples(self, count: usize, seed: u64) -> Self {
+        let mut noise = Gaussian::new(seed, 0_u64);
+        let sigma = self.covariance.diagonal().map(f64::sqrt);
+        let errors = (0..count).map(|_| sigma.map(|sigma| sigma * noise.draw())).collect();
+        Self { errors, noise, ..self }
+    }
+
+    /// The errors of the position in the samples, NED (m).
+    pub fn position_errors(&self) -> impl Iterator<Item = [f64; 3]> {
+        self.errors.iter().map(|error| [error[P], error[P + 1], error[P + 2]])
     }
 
     /// Propagates by `dt` seconds of this motion.
@@ -88,10 +108,13 @@ impl InertialBound {
         let SensorErrors { accelerometer: a, gyro: g, .. } = self.parameters.sensors;
         let densities = [0.0, a.noise_density, g.noise_density, a.random_walk, g.random_walk];
         let noise = SVector::<f64, STATES>::from_fn(|i, _| densities[i / 3] * densities[i / 3]);
-        let half = SMatrix::from_diagonal(&(noise * (0.5 * dt)));
+        let half_variance = noise * (0.5 * dt);
+        let half = SMatrix::from_diagonal(&half_variance);
         let f = f * dt;
         let f = SMatrix::identity() + f + f * f * 0.5;
         self.covariance = f * (self.covariance + half) * f.transpose() + half;
+        let mut draw = || half_variance.map(|variance| variance.sqrt() * self.noise.draw());
+        self.errors.iter_mut().for_each(|error| *error = f * (*error + draw()) + draw());
     }
 
     /// Roll, pitch and heading were measured.
@@ -167,6 +190,10 @@ impl InertialBound {
             let correlation = self.covariance * row.transpose();
             let s = (row * correlation)[0] + variance;
             self.covariance -= correlation * correlation.transpose() / s;
+            for error in &mut self.errors {
+                let innovation = (row * *error)[0] + variance.sqrt() * self.noise.draw();
+                *error -= correlation * (innovation / s);
+            }
         }
     }
 }

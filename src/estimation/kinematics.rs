@@ -24,6 +24,7 @@ impl Block {
 
     /// The derivatives of `M v` of this vector v.
     #[must_use]
+    #[inline]
     pub fn through(&self, m: &Matrix3<f64>) -> Self {
         Self { state: self.state, by: m * self.by }
     }
@@ -49,6 +50,7 @@ pub struct Linearized<const B: usize = 1> {
 impl<const B: usize> Linearized<B> {
     /// A vector that does not depend on the states.
     #[must_use]
+    #[inline]
     pub fn constant(value: Vector3<f64>) -> Self {
         Self { value, blocks: [Block::default(); B], count: 0 }
     }
@@ -182,6 +184,24 @@ pub struct Kinematics<const N: usize> {
 }
 
 impl<const N: usize> Kinematics<N> {
+    /// A motion without derivatives, which the caller adds in place, except those of a rotation.
+    #[must_use]
+    #[inline]
+    pub fn new(motion: &Motion, turn: Block, sensors: SensorStates, mean: &Column<N>) -> Self {
+        Self {
+            position: Linearized::constant(motion.position),
+            rotation: motion.rotation,
+            turn,
+            velocity: Linearized::constant(motion.velocity),
+            rate: Linearized::constant(motion.rate),
+            rate_variance: 0.0,
+            tracking_variance: 0.0,
+            acceleration: Linearized::constant(motion.acceleration),
+            sensors,
+            mean: *mean,
+        }
+    }
+
     /// Mean of an optional state; zero where it does not exist.
     #[must_use]
     pub fn optional(&self, state: Option<usize>) -> f64 {
@@ -218,6 +238,7 @@ pub fn skew(a: &Vector3<f64>) -> Matrix3<f64> {
 
 /// The matrix with one column and zeros: a block in which only its first state matters.
 #[must_use]
+#[inline]
 pub fn first_column(column: Vector3<f64>) -> Matrix3<f64> {
     Matrix3::from_columns(&[column, Vector3::zeros(), Vector3::zeros()])
 }

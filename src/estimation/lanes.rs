@@ -195,11 +195,11 @@ fn propagate<const N: usize, const L: usize>(p: &mut [[f64; N]; N], f: &Transiti
     for (group, rows) in f.groups().iter().zip(&mut changed) {
         let whole = L - L % 16;
         for from in (0..whole).step_by(16) {
-            let sums = combine_three::<N, 16>(p, group, from);
+            let sums = combine_three::<_, N, N, 16>(&group.rows, group.support, p, from);
             (0..3).for_each(|r| rows[r][from..from + 16].copy_from_slice(&sums[r]));
         }
         for from in (whole..L).step_by(4).map(|from| from.min(L - 4)) {
-            let sums = combine_three::<N, 4>(p, group, from);
+            let sums = combine_three::<_, N, N, 4>(&group.rows, group.support, p, from);
             (0..3).for_each(|r| rows[r][from..from + 4].copy_from_slice(&sums[r]));
         }
     }
@@ -211,17 +211,15 @@ fn propagate<const N: usize, const L: usize>(p: &mut [[f64; N]; N], f: &Transiti
         }
     }
     // F times these columns, where they meet the rows of groups.
-    for (b, group) in f.groups().iter().enumerate() {
-        for (a, other) in f.groups()[..=b].iter().enumerate() {
-            let from = other.states().start.min(N - 4);
-            let sums = combine_three::<N, 4>(p, group, from);
-            for (r, i) in group.states().enumerate() {
-                // Symmetric to the last bit.
-                for (c, j) in other.states().enumerate().filter(|(_, j)| *j <= i || a < b) {
-                    changed[b][r][j] = sums[r][j - from];
-                    changed[a][c][i] = sums[r][j - from];
-                }
-            }
+    for last in 0..f.groups().len() {
+        let groups = &f.groups()[..=last];
+        let from = groups.iter().map(|group| group.states().start).min().unwrap_or(0);
+        let end = groups.iter().map(|group| group.states().end).max().unwrap_or(0);
+        match end - from {
+            ..=4 => meet::<N, L, 4>(p, groups, from.min(N - 4), &mut changed),
+            ..=8 if N >= 8 => meet::<N, L, 8>(p, groups, from.min(N - 8), &mut changed),
+            ..=12 if N >= 12 => meet::<N, L, 12>(p, groups, from.min(N - 12), &mut changed),
+            _ => meet::<N, L, L>(p, groups, 0, &mut changed),
         }
     }
     for (group, rows) in f.groups().iter().zip(&changed) {
@@ -238,23 +236,72 @@ fn propagate<const N: usize, const L: usize>(p: &mut [[f64; N]; N], f: &Transiti
 }
 }
 
-/// The rows of a group of F times `W` columns of a matrix.
+/// Three rows of F, non-zero in a set of states, times `W` columns of a matrix.
 #[inline(always)]
-fn combine_three<const N: usize, const W: usize>(
-    rows: &[[f64; N]; N],
-    group: &Group<N>,
+fn combine_three<T: Scalar, const N: usize, const M: usize, const W: usize>(
+    rows: &[[T; N]; 3],
+    states: u64,
+    matrix: &[[T; M]; N],
     from: usize,
-) -> [[f64; W]; 3] {
-    let mut sums = [[0.0; W]; 3];
-    for (k, by) in group.iter() {
-        let row = &rows[k][from..from + W];
+) -> [[T; W]; 3] {
+    let mut sums = [[T::default(); W]; 3];
+    for k in states_in(states) {
+        let by = &matrix[k][from..from + W];
         for r in 0..3 {
             for i in 0..W {
-                sums[r][i] += by[r] * row[i];
+                sums[r][i] += rows[r][k] * by[i];
             }
         }
     }
     sums
+}
+
+/// Rows and columns of a symmetric matrix where the last of some groups meets all of them, among `W`
+/// columns.
+#[inline(always)]
+fn meet<const N: usize, const L: usize, const W: usize>(
+    p: &[[f64; N]; N],
+    groups: &[Group<N>],
+    from: usize,
+    into: &mut [[[f64; L]; 3]; GROUPS],
+) {
+    let b = groups.len() - 1;
+    let Group { rows, support, .. } = &groups[b];
+    let sums = combine_three::<_, N, N, W>(rows, *support, p, from);
+    for (a, other) in groups.iter().enumerate() {
+        for (r, i) in groups[b].states().enumerate() {
+            // Symmetric to the last bit.
+            for (c, j) in other.states().enumerate().filter(|(_, j)| *j <= i || a < b) {
+                into[b][r][j] = sums[r][j - from];
+                into[a][c][i] = sums[r][j - from];
+            }
+        }
+    }
+}
+
+for_any_width! {
+/// From the derivatives M of some rates at the middle of a midpoint step, and A at its beginning, those of
+/// the step's change: `M <- dt M (I + dt/2 A)`. The rates are those of the first `R` states.
+fn midpoint<const W: usize, const R: usize>(
+    middle: &mut [[f64; W]; R],
+    first: &[[f64; W]; R],
+    dt: f64,
+) {
+    for row in middle {
+        let mut sum = *row;
+        for k in 0..R {
+            let factor = 0.5 * dt * row[k];
+            if factor != 0.0 {
+                for j in 0..W {
+                    sum[j] += factor * first[k][j];
+                }
+            }
+        }
+        for j in 0..W {
+            row[j] = dt * sum[j];
+        }
+    }
+}
 }
 
 for_any_width! {
@@ -293,7 +340,7 @@ fn factorize<const N: usize, const L: usize>(p: &[[f64; N]; N], positive: &mut b
 }
 
 /// How many hypotheses a monitor has; a sum for each of them fits into the registers.
-pub(super) const HYPOTHESES: usize = 96;
+pub(super) const HYPOTHESES: usize = 64;
 
 /// A vector for each hypothesis: column i contains their components i. Single precision is enough to
 /// distinguish them.
@@ -301,18 +348,32 @@ pub(super) type Vectors<const N: usize> = SMatrix<f32, HYPOTHESES, N>;
 /// A number for each hypothesis.
 pub(super) type Numbers = SVector<f32, HYPOTHESES>;
 
+/// Hypotheses of which the new errors are computed at a time.
+const TOGETHER: usize = 32;
+
 for_any_width! {
 /// `v <- F v` of many vectors v at once.
 fn advance<const N: usize>(vectors: &mut Vectors<N>, f: &Transition<N>) {
     let v = &mut vectors.data.0;
-    let mut changed = [[[0.0_f32; HYPOTHESES]; 3]; GROUPS];
-    for (group, changed) in f.groups().iter().zip(&mut changed) {
-        for (r, changed) in changed.iter_mut().enumerate().take(group.states().len()) {
-            *changed = combine(v, group.row(r));
+    let mut rows = [[[0.0_f32; N]; 3]; GROUPS];
+    for (group, rows) in f.groups().iter().zip(&mut rows) {
+        for r in 0..3 {
+            for k in 0..N {
+                rows[r][k] = group.rows[r][k] as f32;
+            }
         }
     }
-    for (group, changed) in f.groups().iter().zip(&changed) {
-        group.states().zip(changed).for_each(|(state, changed)| v[state] = *changed);
+    for from in (0..HYPOTHESES).step_by(TOGETHER) {
+        let mut changed = [[[0.0; TOGETHER]; 3]; GROUPS];
+        for (g, group) in f.groups().iter().enumerate() {
+            changed[g] =
+                combine_three::<_, N, HYPOTHESES, TOGETHER>(&rows[g], group.support, v, from);
+        }
+        for (group, changed) in f.groups().iter().zip(&changed) {
+            for (state, changed) in group.states().zip(changed) {
+                v[state][from..from + TOGETHER].copy_from_slice(changed);
+            }
+        }
     }
     for (state, factor) in f.scaled() {
         let factor = factor as f32;
@@ -443,6 +504,36 @@ mod tests {
             assert_eq!(after, after.transpose(), "{rows} rows");
             assert!((after - want).amax() < 1e-9, "{rows} rows: {}", after - want);
         }
+    }
+
+    #[test]
+    fn hypotheses_advance_by_the_dense_matrix() {
+        let mut f = Transition::<N>::identity();
+        for i in [0, 1, 2, 4, 5, 8] {
+            f.set_row(i, [(i, 0.9), (i + 2, number(i, 3)), (19, number(i, 4))]);
+        }
+        f.scale(17, 0.5);
+        let before = Vectors::<N>::from_fn(|k, i| number(k, i) as f32);
+        let mut after = before;
+        advance(&mut after, &f);
+        let want = before.map(f64::from) * f.dense().transpose();
+        assert!((after.map(f64::from) - want).amax() < 1e-4, "{}", after.map(f64::from) - want);
+    }
+
+    #[test]
+    fn a_midpoint_step_has_the_derivatives_of_the_chain_rule() {
+        const DT: f64 = 0.1;
+        let [first, middle] =
+            [3, 40].map(|of| core::array::from_fn(|i| core::array::from_fn(|j| number(i, j + of))));
+        let mut change: [[f64; 16]; 8] = middle;
+        change[2][1] = 0.0;
+        let dense = |rows: &[[f64; 16]; 8]| {
+            SMatrix::<f64, 16, 16>::from_fn(|i, j| rows.get(i).map_or(0.0, |row| row[j]))
+        };
+        let half = SMatrix::<f64, 16, 16>::identity() + dense(&first) * (0.5 * DT);
+        let want = dense(&change) * half * DT;
+        midpoint(&mut change, &first, DT);
+        assert!((dense(&change) - want).amax() < 1e-12);
     }
 
     #[test]

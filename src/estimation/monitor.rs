@@ -9,8 +9,9 @@
 //! update    s = h^T V (+ the direct effect of the thrust on the measurement)
 //!           C += s y / S,  J += s^2 / S,  V -= K s
 //! ```
-//! The share is estimated as C/J, its log-likelihood ratio against no loss is C^2/(2 J). Willsky &
-//! Jones (1976); Basseville & Nikiforov (1993) ch. 7.2.
+//! The share is estimated as C/J, its log-likelihood ratio against no loss is C^2/(2 J); that of a
+//! lost propeller, the share 1, is C - J/2. Willsky & Jones (1976); Basseville & Nikiforov (1993)
+//! ch. 7.2.
 
 use nalgebra::SMatrix;
 use serde::{Deserialize, Serialize};
@@ -21,8 +22,12 @@ use super::kalman::Witness;
 use super::lanes::{HYPOTHESES, Heard, Numbers, Vectors, advance, drive, hear};
 use super::transition::Transition;
 
-/// Restarts kept; one a second, so losses up to this many seconds old are distinguished.
+/// Restarts kept: the newest of every second, and older ones of every other second.
 const RESTARTS: usize = HYPOTHESES / THRUSTERS;
+/// How many of them are of odd seconds; they are replaced earlier than those of even ones.
+const ODD: usize = 2;
+/// Seconds after which restarts are kept in the same places again.
+const CYCLE: usize = 2 * ODD * (RESTARTS - ODD);
 /// Seconds between restarts.
 const SPACING: f64 = 1.0;
 const THRUSTERS: usize = 8;
@@ -57,7 +62,9 @@ pub trait Monitor<const N: usize>: Witness<N> + Copy + Default {
 impl<const N: usize> Monitor<N> for () {}
 
 /// The bank; hypotheses are the thrusters of restart 0, of restart 1, ...
+// Aligned because a vector across two cache lines takes twice the time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[repr(C, align(64))]
 pub struct ThrusterMonitor<const N: usize> {
     /// Errors of the states under each hypothesis.
     errors: Vectors<N>,
@@ -86,10 +93,12 @@ impl<const N: usize> Default for ThrusterMonitor<N> {
     }
 }
 
-/// Twice the log-likelihood ratio of an alarm. Below about 60, a vehicle whose mass is wrong by 20 %
-/// or whose speed changes raises a false alarm every hour if its gyro is good, and the wrong
-/// thruster is named now and then; losses are still found within a second.
+/// Twice the log-likelihood ratio of an alarm, for a share that is estimated. Below about 60, a
+/// vehicle whose mass is wrong by 20 % or whose speed changes raises a false alarm every hour if its
+/// gyro is good, and the wrong thruster is named now and then.
 const THRESHOLD: f32 = 70.0;
+/// The same if the whole thrust is lost, which is more likely and seldom looks like anything else.
+const WHOLE_THRESHOLD: f32 = 55.0;
 /// Range of shares in which a lost propeller can be distinguished from a disturbance.
 const SHARES: core::ops::Range<f64> = 0.35..1.4;
 
@@ -102,7 +111,10 @@ impl<const N: usize> Monitor<N> for ThrusterMonitor<N> {
 
     fn judge(&mut self, now: f64) -> Option<Alarm<N>> {
         // C^2/J without a division; nearly always all are below.
-        let above = |k: usize| self.c[k] * self.c[k] > THRESHOLD * self.j[k];
+        let above = |k: usize| {
+            let (c, j) = (self.c[k], self.j[k]);
+            (c * c > THRESHOLD * j) | (2.0 * c - j > WHOLE_THRESHOLD)
+        };
         let best = || {
             (0..HYPOTHESES)
                 .filter(|&k| above(k) && SHARES.contains(&self.share(k)))
@@ -124,14 +136,20 @@ impl<const N: usize> Monitor<N> for ThrusterMonitor<N> {
         }
         if now - self.restarted >= SPACING {
             self.restarted = now;
-            let from = self.next * THRUSTERS;
-            self.next = (self.next + 1) % RESTARTS;
+            let from = place(self.next) * THRUSTERS;
+            self.next = (self.next + 1) % CYCLE;
             self.errors.rows_mut(from, THRUSTERS).fill(0.0);
             self.c.rows_mut(from, THRUSTERS).fill(0.0);
             self.j.rows_mut(from, THRUSTERS).fill(0.0);
         }
         None
     }
+}
+
+/// Where the restart of a second is kept, in place of an older one.
+fn place(second: usize) -> usize {
+    let (pair, odd) = (second / 2, second % 2 == 1);
+    if odd { pair % ODD } else { ODD + pair % (RESTARTS - ODD) }
 }
 
 impl<const N: usize> ThrusterMonitor<N> {
@@ -165,5 +183,37 @@ impl<const N: usize> Witness<N> for ThrusterMonitor<N> {
         let direct = core::mem::take(&mut self.direct);
         let heard = Heard { row, gain, innovation, s, direct: &direct };
         hear(&mut self.errors, &mut self.c, &mut self.j, &heard);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn restarts_are_kept_of_every_second_and_then_of_every_other() {
+        let mut kept = [0; RESTARTS];
+        for second in 0..200 {
+            kept[place(second % CYCLE)] = second;
+            let mut ages = kept.map(|restart| second - restart);
+            ages.sort_unstable();
+            let want = [[0, 1, 2, 3, 4, 6, 8, 10], [0, 1, 2, 3, 5, 7, 9, 11]][second % 2];
+            assert!(second < 12 || ages == want, "after {second} s: {ages:?}");
+        }
+    }
+
+    #[test]
+    fn a_whole_loss_needs_less_evidence_than_a_share() {
+        let alarm = |c: f32, j: f32| {
+            let mut monitor = ThrusterMonitor::<4>::default();
+            (monitor.c[12], monitor.j[12]) = (c, j);
+            monitor.judge(0.0).map(|alarm| (alarm.thruster, alarm.share))
+        };
+        // Twice the log-likelihood ratios: of the estimated share, of the share 1.
+        assert_eq!(alarm(60.0, 60.0), Some((4, 1.0)), "60, 60");
+        assert_eq!(alarm(120.0, 240.0), None, "60, 0");
+        assert_eq!(alarm(160.0, 320.0), Some((4, 0.5)), "80, 0");
+        assert_eq!(alarm(50.0, 50.0), None, "50, 50");
+        assert_eq!(alarm(40.0, 20.0), None, "80, 60, but of a share of 2");
     }
 }

@@ -316,9 +316,10 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
         euler: [f64; 3],
         witness: &mut impl Witness<N>,
     ) {
-        self.interval.tilt = attitude::rotation_euler([euler[0], euler[1], 0.0]);
         self.align(setup, euler);
-        if !setup.process.tilt_is_input() {
+        if setup.process.tilt_is_input() {
+            self.interval.tilt = attitude::rotation_euler([euler[0], euler[1], 0.0]);
+        } else {
             self.fuse(setup, Channel::Tilt, |m| setup.tilt.observe(&euler, m), witness);
         }
         self.fuse(setup, Channel::Heading, |m| setup.heading.observe(&euler, m), witness);

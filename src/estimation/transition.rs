@@ -31,7 +31,7 @@ pub(super) struct Group<const N: usize> {
     /// Derivatives of each by the states.
     pub(super) rows: [[f64; N]; 3],
     /// Bit i: a derivative by state i may be non-zero.
-    support: u64,
+    pub(super) support: u64,
 }
 
 impl<const N: usize> Group<N> {
@@ -49,13 +49,6 @@ impl<const N: usize> Group<N> {
     #[inline(always)]
     pub(super) fn iter(&self) -> impl Iterator<Item = (usize, [f64; 3])> {
         states_in(self.support).map(|state| (state, [0, 1, 2].map(|i| self.rows[i][state])))
-    }
-
-    /// The derivatives of one of its states by others, without zeros.
-    #[inline(always)]
-    pub(super) fn row(&self, i: usize) -> impl Iterator<Item = (usize, f64)> {
-        let row = &self.rows[i];
-        states_in(self.support).map(|state| (state, row[state])).filter(|(_, value)| *value != 0.0)
     }
 
     /// Sets the derivatives by three consecutive states.

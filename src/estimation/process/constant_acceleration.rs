@@ -139,26 +139,13 @@ impl<const N: usize> Process<N> for ConstantAcceleration {
 
     fn kinematics(&self, belief: &Belief<N>, interval: &Interval) -> Kinematics<N> {
         let motion = <Self as Process<N>>::motion(self, belief, interval);
-        let mut position = Linearized::constant(motion.position);
-        position.set_block(P, &Matrix3::identity());
-        let mut velocity = Linearized::constant(motion.velocity);
-        velocity.set_block(V, &Matrix3::identity());
-        let mut rate = Linearized::constant(motion.rate);
-        rate.set_block(OMEGA, &Matrix3::identity());
-        let mut acceleration = Linearized::constant(motion.acceleration);
-        acceleration.set_block(A, &Matrix3::identity());
-        Kinematics {
-            position,
-            rotation: motion.rotation,
-            turn: Block::new(THETA, Matrix3::identity()),
-            velocity,
-            rate,
-            rate_variance: 0.0,
-            tracking_variance: 0.0,
-            acceleration,
-            sensors: self.sensors,
-            mean: belief.mean,
-        }
+        let turn = Block::new(THETA, Matrix3::identity());
+        let mut k = Kinematics::new(&motion, turn, self.sensors, &belief.mean);
+        k.position.set_block(P, &Matrix3::identity());
+        k.velocity.set_block(V, &Matrix3::identity());
+        k.rate.set_block(OMEGA, &Matrix3::identity());
+        k.acceleration.set_block(A, &Matrix3::identity());
+        k
     }
 
     fn align(&self, belief: &mut Belief<N>, euler: [f64; 3]) {

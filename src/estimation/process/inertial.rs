@@ -23,7 +23,7 @@ use crate::attitude;
 use crate::estimation::belief::{Belief, Column};
 use crate::estimation::interval::{Inertial, Interval};
 use crate::estimation::kalman::Witness;
-use crate::estimation::kinematics::{Block, Kinematics, Linearized, Motion, SensorStates, skew};
+use crate::estimation::kinematics::{Block, Kinematics, Motion, SensorStates, skew};
 use crate::estimation::parameters::NavigationParameters;
 use crate::estimation::transition::Transition;
 
@@ -274,40 +274,27 @@ impl<const N: usize> Process<N> for InertialProcess {
 
     fn kinematics(&self, belief: &Belief<N>, interval: &Interval) -> Kinematics<N> {
         let motion = <Self as Process<N>>::motion(self, belief, interval);
-        let mut position = Linearized::constant(motion.position);
-        position.set_block(P, &Matrix3::identity());
-        let mut velocity = Linearized::constant(motion.velocity);
-        velocity.set_block(U, &Matrix3::identity());
-        let mut rate = Linearized::constant(motion.rate);
+        let turn = Block::new(THETA, Matrix3::identity());
+        let mut k = Kinematics::new(&motion, turn, self.sensors, &belief.mean);
+        k.position.set_block(P, &Matrix3::identity());
+        k.velocity.set_block(U, &Matrix3::identity());
         let square = |x: f64| x * x;
-        let (rate_variance, tracking_variance) = match (&interval.inertial, &interval.turning) {
+        (k.rate_variance, k.tracking_variance) = match (&interval.inertial, &interval.turning) {
             (Some(_), _) => {
-                rate.set_block(B_G, &-Matrix3::identity());
+                k.rate.set_block(B_G, &-Matrix3::identity());
                 (square(self.parameters.sensors.gyro.noise_density) * GYRO_SAMPLES_HZ, 0.0)
             }
             (None, Some(turning)) => (0.0, turning.variance),
             (None, None) => (square(self.parameters.maneuver_rate), 0.0),
         };
-        let mut acceleration = Linearized::constant(motion.acceleration);
         if interval.inertial.is_some() && self.sensors.dvl_delay.is_some() {
             let gravity = motion.rotation.transpose() * Vector3::z() * self.parameters.gravity;
-            acceleration.set_block(U, &-skew(&motion.rate));
-            acceleration.set_block(THETA, &skew(&gravity));
-            acceleration.set_block(B_A, &-Matrix3::identity());
-            acceleration.set_block(B_G, &-skew(&motion.velocity));
+            k.acceleration.set_block(U, &-skew(&motion.rate));
+            k.acceleration.set_block(THETA, &skew(&gravity));
+            k.acceleration.set_block(B_A, &-Matrix3::identity());
+            k.acceleration.set_block(B_G, &-skew(&motion.velocity));
         }
-        Kinematics {
-            position,
-            rotation: motion.rotation,
-            turn: Block::new(THETA, Matrix3::identity()),
-            velocity,
-            rate,
-            rate_variance,
-            tracking_variance,
-            acceleration,
-            sensors: self.sensors,
-            mean: belief.mean,
-        }
+        k
     }
 
     fn align(&self, belief: &mut Belief<N>, euler: [f64; 3]) {

@@ -21,9 +21,8 @@ use crate::attitude;
 use crate::estimation::belief::{Belief, Column, Row};
 use crate::estimation::interval::Interval;
 use crate::estimation::kalman::{Witness, fuse};
-use crate::estimation::kinematics::{
-    Block, Kinematics, Linearized, Motion, SensorStates, first_column,
-};
+use crate::estimation::kinematics::{Block, Kinematics, Motion, SensorStates, first_column};
+use crate::estimation::lanes::midpoint;
 use crate::estimation::parameters::{Disturbances, NavigationParameters};
 use crate::estimation::sensor::Observation;
 use crate::estimation::transition::Transition;
@@ -153,20 +152,51 @@ impl PlanarDynamic {
         Drive { thrust, tilt: tilt(interval) }
     }
 
+    /// Acceleration of a velocity through the water, or of the yaw rate.
+    #[inline(always)]
+    fn acceleration(&self, at: &Afloat, thrust: &[f64; 4], axis: usize) -> f64 {
+        let (nu, r, [m1, m2, ..]) = (&at.nu, at.x[R], self.mass);
+        let coupling = match axis {
+            0 => m2 * nu.y * r,
+            1 => -m1 * nu.x * r,
+            2 => self.excess_weight,
+            _ => -self.munk * nu.x * nu.y,
+        };
+        let speed = at.speed()[axis];
+        let damping = (self.linear[axis] + self.quadratic[axis] * speed.abs()) * speed;
+        (coupling - damping + thrust[axis] + at.x[D + axis]) / self.mass[axis]
+    }
+
+    /// Derivatives of [`PlanarDynamic::acceleration`] by the states.
+    #[inline(always)]
+    fn acceleration_by_states(&self, at: &Afloat, axis: usize) -> [f64; PADDED] {
+        let (nu, r, [m1, m2, _, m6]) = (&at.nu, at.x[R], self.mass);
+        // By nu and r.
+        let mut slope = match axis {
+            0 => [0.0, m2 * r / m1, 0.0, m2 * nu.y / m1],
+            1 => [-m1 * r / m2, 0.0, 0.0, -m1 * nu.x / m2],
+            2 => [0.0; 4],
+            _ => [-self.munk * nu.y / m6, -self.munk * nu.x / m6, 0.0, 0.0],
+        };
+        let damping = self.linear[axis] + 2.0 * self.quadratic[axis] * at.speed()[axis].abs();
+        slope[axis] = -damping / self.mass[axis];
+        let mut row = [0.0; PADDED];
+        row[U..U + 4].copy_from_slice(&slope);
+        row[D + axis] = 1.0 / self.mass[axis];
+        for k in 0..3 {
+            (0..2).for_each(|i| row[C + i] -= slope[k] * at.rotation[(i, k)]);
+            row[PSI] -= slope[k] * at.flow_by_heading[k];
+        }
+        row
+    }
+
     /// Time derivatives of the dynamic states.
     fn rates(&self, at: &Afloat, drive: &Drive) -> Rates {
         let [x, y, z] = at.over_ground().into();
-        let (nu, r) = (&at.nu, at.x[R]);
+        let r = at.x[R];
         let mut rates = [x, y, z, r * drive.turn(), 0.0, 0.0, 0.0, 0.0];
         let Some(thrust) = &drive.thrust else { return rates };
-        let [m1, m2, ..] = self.mass;
-        let coupling =
-            [m2 * nu.y * r, -m1 * nu.x * r, self.excess_weight, -self.munk * nu.x * nu.y];
-        for (axis, speed) in at.speed().into_iter().enumerate() {
-            let damping = (self.linear[axis] + self.quadratic[axis] * speed.abs()) * speed;
-            let force = coupling[axis] - damping + thrust[axis] + at.x[D + axis];
-            rates[U + axis] = force / self.mass[axis];
-        }
+        (0..4).for_each(|axis| rates[U + axis] = self.acceleration(at, thrust, axis));
         // u' = nu' - (r e_z) x (R^T c).
         rates[U] += r * at.flow.y;
         rates[U + 1] -= r * at.flow.x;
@@ -186,27 +216,8 @@ impl PlanarDynamic {
         if drive.thrust.is_none() {
             return j;
         }
-        let (nu, r, [m1, m2, _, m6]) = (&at.nu, at.x[R], self.mass);
-        // By nu and r.
-        let mut slope = [[0.0; 4]; 4];
-        for (axis, speed) in at.speed().into_iter().enumerate() {
-            let damping = self.linear[axis] + 2.0 * self.quadratic[axis] * speed.abs();
-            slope[axis][axis] = -damping / self.mass[axis];
-            j[U + axis][D + axis] = 1.0 / self.mass[axis];
-        }
-        slope[0][1] = m2 * r / m1;
-        slope[0][3] = m2 * nu.y / m1;
-        slope[1][0] = -m1 * r / m2;
-        slope[1][3] = -m1 * nu.x / m2;
-        slope[3][0] = -self.munk * nu.y / m6;
-        slope[3][1] = -self.munk * nu.x / m6;
-        for (row, slope) in j[U..].iter_mut().zip(&slope) {
-            row[U..U + 4].copy_from_slice(slope);
-            for k in 0..3 {
-                (0..2).for_each(|i| row[C + i] -= slope[k] * at.rotation[(i, k)]);
-                row[PSI] -= slope[k] * at.flow_by_heading[k];
-            }
-        }
+        (0..4).for_each(|axis| j[U + axis] = self.acceleration_by_states(at, axis));
+        let r = at.x[R];
         j[U][R] += at.flow.y;
         j[U + 1][R] -= at.flow.x;
         j[U][PSI] += r * at.flow_by_heading.y;
@@ -232,24 +243,16 @@ impl PlanarDynamic {
             *x += 0.5 * dt * rate;
         }
         let middle = Afloat::new(middle, &drive.tilt);
-        let j_first = self.jacobian(&first, drive);
-        let j_middle = self.jacobian(&middle, drive);
-        // No rate depends on the position.
-        let movers = (1 << MOVERS) - (1 << PSI);
+        let mut change = self.jacobian(&middle, drive);
+        midpoint(&mut change, &self.jacobian(&first, drive), dt);
+        // No rate depends on the position or the bias.
+        let movers = (1 << MOVERS) - (1 << PSI) - (1 << B_G);
         for first in (0..MOVING).step_by(3) {
             let size = (MOVING - first).min(3);
             let own = ((1 << size) - 1) << first;
             let group = f.add_group(first, size, own | movers);
             for (i, row) in group.states().zip(&mut group.rows) {
-                // d/dx of x + dt g(x + dt/2 g(x)).
-                let mut sum = j_middle[i];
-                for k in PSI..MOVING {
-                    let factor = 0.5 * dt * j_middle[i][k];
-                    if factor != 0.0 {
-                        sum.iter_mut().zip(&j_first[k]).for_each(|(sum, by)| *sum += factor * by);
-                    }
-                }
-                row.iter_mut().zip(sum).for_each(|(value, by)| *value = dt * by);
+                row[..PADDED].copy_from_slice(&change[i]);
                 row[i] += 1.0;
             }
         }
@@ -300,13 +303,17 @@ impl PlanarDynamic {
         let now = Afloat::new(movers(&belief.mean), &drive.tilt);
         let half = 0.5 * interval.dt;
         let mut row = Row::zeros();
-        let by_states = self.jacobian(&now, &drive)[R];
-        for (state, by) in by_states.into_iter().enumerate().filter(|(_, by)| *by != 0.0) {
-            row[state] = -half * by;
+        let mut predicted = now.x[R];
+        if let Some(thrust) = &drive.thrust {
+            let by_states = self.acceleration_by_states(&now, 3);
+            for (state, by) in by_states.into_iter().enumerate().filter(|(_, by)| *by != 0.0) {
+                row[state] = -half * by;
+            }
+            predicted -= half * self.acceleration(&now, thrust, 3);
         }
         row[R] += 1.0;
         row[B_G] += 1.0;
-        let predicted = now.x[R] - half * self.rates(&now, &drive)[R] + now.x[B_G];
+        predicted += now.x[B_G];
         let density = self.parameters.sensors.gyro.noise_density;
         let variance = density * density / interval.dt + GYRO_FLOOR;
         Observation::scalar(rate - predicted, row, variance)
@@ -414,40 +421,37 @@ impl<const N: usize> Process<N> for PlanarDynamic {
 
     fn kinematics(&self, belief: &Belief<N>, interval: &Interval) -> Kinematics<N> {
         let x = &belief.mean;
-        let mut position = Linearized::constant(x.fixed_rows::<3>(0).into_owned());
-        position.set_block(0, &Matrix3::identity());
-        let mut velocity = Linearized::constant(x.fixed_rows::<3>(U).into_owned());
-        velocity.set_block(U, &Matrix3::identity());
-        let mut rate = Linearized::constant(Vector3::new(0.0, 0.0, x[R]));
-        rate.set_block(R, &first_column(Vector3::z()));
-        let (rotation, acceleration) = if self.sensors.dvl_delay.is_some() {
+        let now = self.sensors.dvl_delay.map(|_| {
             let drive = self.drive(interval);
-            let now = Afloat::new(movers(x), &drive.tilt);
-            let rates = self.rates(&now, &drive);
-            let j = self.jacobian(&now, &drive);
-            let change = Vector3::new(rates[U], rates[U + 1], rates[U + 2]);
-            let mut acceleration = Linearized::constant(change);
-            for state in (PSI..MOVERS).step_by(3) {
-                let by = Matrix3::from_fn(|i, k| j[U + i][state + k]);
-                acceleration.set_block(state, &by);
-            }
-            (now.rotation, acceleration)
-        } else {
-            (turned(&tilt(interval), x[PSI]), Linearized::constant(Vector3::zeros()))
+            (Afloat::new(movers(x), &drive.tilt), drive)
+        });
+        let rotation = match &now {
+            Some((now, _)) => now.rotation,
+            None => turned(&tilt(interval), x[PSI]),
+        };
+        let motion = Motion {
+            position: x.fixed_rows::<3>(0).into_owned(),
+            rotation,
+            velocity: x.fixed_rows::<3>(U).into_owned(),
+            rate: Vector3::new(0.0, 0.0, x[R]),
+            acceleration: now.as_ref().map_or_else(Vector3::zeros, |(now, drive)| {
+                Vector3::from_column_slice(&self.rates(now, drive)[U..U + 3])
+            }),
         };
         let down = rotation.row(2).transpose();
-        Kinematics {
-            position,
-            rotation,
-            turn: Block::new(PSI, first_column(down)),
-            velocity,
-            rate,
-            rate_variance: 0.0,
-            tracking_variance: 0.0,
-            acceleration,
-            sensors: self.sensors,
-            mean: belief.mean,
+        let turn = Block::new(PSI, first_column(down));
+        let mut k = Kinematics::new(&motion, turn, self.sensors, x);
+        k.position.set_block(0, &Matrix3::identity());
+        k.velocity.set_block(U, &Matrix3::identity());
+        k.rate.set_block(R, &first_column(Vector3::z()));
+        if let Some((now, drive)) = &now {
+            let j = self.jacobian(now, drive);
+            for state in (PSI..MOVERS).step_by(3) {
+                let by = Matrix3::from_fn(|i, k| j[U + i][state + k]);
+                k.acceleration.set_block(state, &by);
+            }
         }
+        k
     }
 
     fn align(&self, belief: &mut Belief<N>, euler: [f64; 3]) {

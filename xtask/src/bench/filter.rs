@@ -38,14 +38,15 @@ pub(super) fn measure() -> Result<Vec<Row>> {
     let basic = Filter::<_, BASIC_STATES>::new(constant, &p)?;
     rows.extend(navigation("constant-acceleration filter", &basic, Bar::None, None)?);
     let inertial = Filter::<_, BASIC_STATES>::new(inertial, &p)?;
-    let peer = python.map(|python| (python, 16));
+    let peer = python.map(|python| (python, Peer::Inertial));
     rows.extend(navigation("inertial filter", &inertial, Bar::AtMost(1.2), peer)?);
+    let peer = python.map(|python| (python, Peer::Algebra(16)));
     let alone = Filter::<_, BASIC_STATES>::new(planar.clone(), &p)?;
     rows.extend(navigation("dynamic filter without monitor", &alone, Bar::AtMost(1.5), peer)?);
     let watched = DynamicFilter::new(planar, &p)?;
     rows.extend(navigation("dynamic filter", &watched, Bar::AtMost(1.5), peer)?);
     let aided = Filter::<_, AIDED_STATES>::new(aided, &p)?;
-    let peer = python.map(|python| (python, 30));
+    let peer = python.map(|python| (python, Peer::Algebra(30)));
     rows.extend(navigation("model-aided filter without watch", &aided, Bar::AtMost(6.0), peer)?);
     let whole = AidedFilter::new(&p, &vehicle, &errors)?;
     rows.extend(navigation("model-aided filter", &whole, Bar::AtMost(6.0), peer)?);
@@ -83,12 +84,12 @@ fn paper() -> Result<Vec<Row>> {
 
 /// A prediction with its updates: the mean over a second of sensors at their usual rates, with an estimate
 /// at each inertial sample; and one of 0.1 s with an update of every sensor, five inertial samples and an
-/// estimate, beside FilterPy's with as many states.
+/// estimate. Both beside FilterPy's.
 fn navigation(
     name: &str,
     filter: &impl Navigation,
     bar: Bar,
-    peer: Option<(&OsString, usize)>,
+    peer: Option<(&OsString, Peer)>,
 ) -> Result<Vec<Row>> {
     let mut all = Run::new(filter, |k| [5, 5, 5, 5].map(|every| k % every == 0))?;
     // 50, 10, 7.1 and 1 Hz: only attitudes make predictions of their own.
@@ -113,17 +114,36 @@ fn navigation(
         row(format!("{name}, prediction with its updates"), mean, "us", bar),
         row("  one with an update of every sensor", all, "us", Bar::None),
     ];
-    if let Some((python, states)) = peer {
-        let ratio = filterpy(python, states)? / all;
-        rows.push(row("  FilterPy's over this one", ratio, "", Bar::AtLeast(100.0)));
+    match peer {
+        Some((python, Peer::Inertial)) => {
+            let ratio = filterpy(python, "usual")? / mean;
+            rows.push(row("  FilterPy's over this one", ratio, "", Bar::AtLeast(100.0)));
+            let ratio = filterpy(python, "all")? / all;
+            rows.push(row("  the same with an update of every sensor", ratio, "", Bar::None));
+        }
+        Some((python, Peer::Algebra(states))) => {
+            let ratio = filterpy(python, &states.to_string())? / all;
+            let what = "  FilterPy's algebra alone over the whole of this one";
+            rows.push(row(what, ratio, "", Bar::None));
+        }
+        None => {}
     }
     Ok(rows)
 }
 
-/// Microseconds of a prediction and five updates by FilterPy.
-fn filterpy(python: &OsString, states: usize) -> Result<f64> {
+/// What is measured in FilterPy beside a filter.
+#[derive(Clone, Copy)]
+enum Peer {
+    /// The inertial filter as a user writes it: the same sensors at the same rates, 16 states.
+    Inertial,
+    /// Predictions and updates of this many states whose matrices cost nothing.
+    Algebra(usize),
+}
+
+/// Microseconds of a prediction with its updates in FilterPy; the script explains what of.
+fn filterpy(python: &OsString, what: &str) -> Result<f64> {
     let script = paths::root().join("xtask/bench/filterpy_ekf.py");
-    let output = Command::new(python).arg(&script).arg(states.to_string()).output();
+    let output = Command::new(python).arg(&script).arg(what).output();
     let output = output.with_context(|| format!("cannot start {}", python.display()))?;
     let text = String::from_utf8_lossy(&output.stdout);
     ensure!(output.status.success(), "{}: {text}", script.display());

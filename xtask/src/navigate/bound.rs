@@ -2,7 +2,7 @@
 
 use anyhow::Context;
 use cosim::Recording;
-use cosim::report::mean;
+use cosim::report::{mean, quantile};
 use nalgebra::Matrix3;
 use rexrov::attitude::rotation_euler;
 use rexrov::estimation::NavigationParameters;
@@ -15,16 +15,27 @@ use super::score::SETTLED;
 const IMU_HZ: f64 = 50.0;
 const DVL_HZ: f64 = 50.0 / 7.0;
 
-/// The smallest root mean square error of the horizontal position after settling (m), along a
-/// mission with the nominal sensors.
-pub(crate) fn of(recording: &Recording, grade: &str) -> anyhow::Result<f64> {
+/// How many missions of an estimator at the bound are drawn.
+const SAMPLES: usize = 400;
+
+/// The horizontal position of an estimator that reaches the bound, after settling.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bound {
+    /// The smallest root mean square error (m).
+    pub(crate) rms: f64,
+    /// The root mean square error that a mission exceeds with 5 % probability (m).
+    pub(crate) high: f64,
+}
+
+/// Along a mission with the nominal sensors.
+pub(crate) fn of(recording: &Recording, grade: &str) -> anyhow::Result<Bound> {
     let mut p = NavigationParameters::default();
     p.sensors.heading_bias_sigma = 0.0;
     // Five samples between two rows contain as much information as one of this.
     p.sensors.tilt_sigma = tilt_sigma(grade) / (IMU_HZ * INTERVAL).sqrt();
-    let mut bound = InertialBound::new(&p, IMU_HZ)?;
+    let mut bound = InertialBound::new(&p, IMU_HZ)?.with_samples(SAMPLES, 1);
     let motions = motions(recording)?;
-    let mut variances = Vec::new();
+    let (mut variances, mut squares) = (Vec::new(), vec![0.0; SAMPLES]);
     let mut pings = 0.0;
     for (motion, time) in motions.iter().zip(recording.time()) {
         bound.attitude(motion);
@@ -39,10 +50,15 @@ pub(crate) fn of(recording: &Recording, grade: &str) -> anyhow::Result<f64> {
         if *time >= SETTLED {
             let [x, y, _] = bound.limits(motion).position;
             variances.push(x * x + y * y);
+            for (sum, [x, y, _]) in squares.iter_mut().zip(bound.position_errors()) {
+                *sum += x * x + y * y;
+            }
         }
         bound.predict(motion, INTERVAL);
     }
-    Ok(mean(&variances).sqrt())
+    let instants = variances.len() as f64;
+    let errors: Vec<f64> = squares.iter().map(|sum| (sum / instants).sqrt()).collect();
+    Ok(Bound { rms: mean(&variances).sqrt(), high: quantile(&errors, 0.95) })
 }
 
 fn motions(recording: &Recording) -> anyhow::Result<Vec<TrueMotion>> {

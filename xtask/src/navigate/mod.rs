@@ -97,7 +97,7 @@ fn chosen(names: &[String]) -> anyhow::Result<Vec<Cell>> {
 /// What is kept of a mission.
 struct Flown {
     scores: Vec<Score>,
-    bound: Option<f64>,
+    bound: Option<bound::Bound>,
 }
 
 /// Flies this many seeds of all cells starting with the first, a third of them for secondary cells.

@@ -140,7 +140,7 @@ fn equal(nominal: &Cells<'_>) -> Table {
         ]);
     }
     if let Some(bound) = nominal.bound {
-        table.push(["Cramér-Rao bound (RMS)".to_owned(), format!("{bound:.3}")]);
+        table.push(["Cramér-Rao bound (RMS)".to_owned(), format!("{:.3}", bound.rms)]);
     }
     table
 }
