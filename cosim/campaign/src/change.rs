@@ -1,11 +1,11 @@
 //! Changes from one campaign to another: figures of the same cells, run by run.
 
-use std::collections::HashMap;
-
 use serde::Serialize;
 
+use super::rows::{ordered, pairs};
 use super::statistics::{Estimate, quantile};
-use super::{Campaign, Contents, Row};
+use super::{Campaign, Contents, Rows};
+use cosim_base::error::Result;
 
 /// A figure of a cell, now and before.
 #[derive(Debug, Serialize)]
@@ -34,33 +34,17 @@ pub enum Meaning {
     Unclear,
 }
 
-/// Every figure that both campaigns have, without single instants, for the cells that both have. Smaller is better, unless a
-/// threshold says `at-least`.
-pub fn changes(campaign: &Campaign, rows: &[Row], past: &Contents) -> Vec<Change> {
-    let mut before: HashMap<(&str, u64), &Row> = HashMap::new();
-    let count = past.cells.len().max(1) as u64;
-    for row in &past.rows {
-        if let Some(cell) = past.cells.get((row.run % count) as usize) {
-            before.insert((cell, row.run / count), row);
-        }
-    }
+/// Every figure that both campaigns have, without single instants, for the cells that both have.
+/// Smaller is better, unless a threshold says `at-least`.
+pub fn changes(campaign: &Campaign, rows: &Rows, past: &Contents) -> Result<Vec<Change>> {
+    let paired = paired(campaign, rows, past);
     let mut changes = Vec::new();
-    for cell in 0..campaign.cells() {
-        let name = campaign.cell_name(cell);
-        if !past.cells.iter().any(|known| known == name) {
-            continue;
-        }
-        for (place, (figure, _)) in campaign.summarized().iter().enumerate() {
-            let Some(old) = past.figures.iter().position(|known| known == figure) else { continue };
-            let own = rows
-                .iter()
-                .filter(|row| row.run < campaign.runs() && campaign.cell_of(row.run) == cell);
-            let differences = own.filter_map(|row| {
-                let other = before.get(&(name, campaign.replicate_of(row.run) as u64))?;
-                let difference = row.figure(place) - other.figure(old);
-                (!difference.is_nan()).then_some(difference)
-            });
-            let differences: Vec<f64> = differences.collect();
+    for (place, (figure, _)) in campaign.summarized().iter().enumerate() {
+        let Some(old) = past.figures.iter().position(|known| known == figure) else { continue };
+        let (now, before) = (rows.figure(place)?, past.rows.figure(old)?);
+        for (cell, pairs) in &paired {
+            let differences = pairs.iter().map(|(at, other)| now[*at] - before[*other]);
+            let differences: Vec<f64> = differences.filter(|value| !value.is_nan()).collect();
             let difference = quantile(&differences, 0.5, 0.95);
             let [low, high] = difference.interval;
             let more = campaign.verdicts.iter().any(|t| t.figure == place && t.least.is_some());
@@ -69,14 +53,33 @@ pub fn changes(campaign: &Campaign, rows: &[Row], past: &Contents) -> Vec<Change
                 (grown, _) if grown == more => Meaning::Better,
                 _ => Meaning::Worse,
             };
-            changes.push(Change {
-                cell: name.to_owned(),
+            let change = Change {
+                cell: campaign.cell_name(*cell).to_owned(),
                 figure: figure.clone(),
                 pairs: differences.len(),
                 difference,
                 meaning,
-            });
+            };
+            changes.push((*cell, change));
         }
     }
-    changes
+    Ok(ordered(changes))
+}
+
+/// The cells that both campaigns have, and the rows of the same replicates of each.
+fn paired(campaign: &Campaign, rows: &Rows, past: &Contents) -> Vec<(usize, Vec<(usize, usize)>)> {
+    let count = past.cells.len().max(1) as u64;
+    let mut before = vec![Vec::new(); past.cells.len()];
+    for at in past.rows.in_order(u64::MAX) {
+        let cell = before.get_mut((past.rows.runs()[at] % count) as usize);
+        cell.into_iter().for_each(|cell: &mut Vec<usize>| cell.push(at));
+    }
+    let replicate = |at: usize| campaign.replicate_of(rows.runs()[at]) as u64;
+    let old_replicate = |at: usize| past.rows.runs()[at] / count;
+    let all = rows.by_cell(campaign, campaign.runs()).into_iter().enumerate();
+    let both = all.filter_map(|(cell, own)| {
+        let old = past.cells.iter().position(|known| known == campaign.cell_name(cell))?;
+        Some((cell, pairs(&own, &before[old], replicate, old_replicate)))
+    });
+    both.collect()
 }

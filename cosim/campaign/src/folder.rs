@@ -5,26 +5,29 @@
 //! one. A line that is incomplete because of a full disk or a lost machine is removed and its run
 //! repeated. All other files are derived from the log, each as a whole.
 
-use std::collections::HashSet;
-use std::fs::{File, OpenOptions};
-use std::io::{BufWriter, Read, Write};
-use std::panic::resume_unwind;
+use std::fs::File;
+use std::io::BufWriter;
 use std::path::{Path, PathBuf};
-use std::thread;
 use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
-use super::{Campaign, Row, table};
+use super::log::{LOG, Log};
+use super::rows::Rows;
+use super::table::{self, Numeric};
+use super::{Campaign, Row};
 use cosim_base::error::{Code, Error, Result};
 use cosim_base::files;
 
 /// The results of a campaign.
 pub struct Folder {
-    path: PathBuf,
-    log: File,
+    pub(super) path: PathBuf,
+    pub(super) log: Log,
+    /// The octets of the log.
+    length: u64,
     synced: Instant,
-    rows: Vec<Row>,
+    rows: Rows,
+    numeric: Numeric,
 }
 
 /// Rows are synced after this time.
@@ -32,21 +35,20 @@ const SYNC: Duration = Duration::from_secs(1);
 
 /// The campaign to which the results belong.
 #[derive(Serialize, Deserialize)]
-struct Manifest {
-    file: PathBuf,
+pub(super) struct Manifest {
+    pub(super) file: PathBuf,
     /// What the file and its list were: a report does without them.
     #[serde(default)]
-    text: String,
+    pub(super) text: String,
     #[serde(default)]
-    list: Option<String>,
-    identity: Vec<String>,
-    cells: Vec<String>,
-    figures: Vec<String>,
+    pub(super) list: Option<String>,
+    pub(super) identity: Vec<String>,
+    pub(super) cells: Vec<String>,
+    pub(super) figures: Vec<String>,
 }
 
 const MANIFEST: &str = "campaign.json";
-const LOG: &str = "runs.jsonl";
-const TABLE: &str = "runs.parquet";
+pub(super) const TABLE: &str = "runs.parquet";
 /// What else a campaign, its reports and its shards leave in a folder.
 const OTHERS: [&str; 6] =
     ["runs.csv", "summary.json", "junit.xml", "changes.json", "report.html", "trajectories"];
@@ -58,22 +60,18 @@ impl Folder {
     /// campaign are refused.
     pub fn open(path: impl AsRef<Path>, campaign: &Campaign, identity: &[String]) -> Result<Self> {
         let path = path.as_ref().to_owned();
-        let unwritten = |what: &Path, e: std::io::Error| {
-            Error::new(Code::Output, "the results cannot be written").at(what).why(e)
-        };
-        std::fs::create_dir_all(&path).map_err(|e| unwritten(&path, e))?;
-        let file = path.join(LOG);
-        let log = OpenOptions::new().read(true).append(true).create(true).open(&file);
-        let log = log.map_err(|e| unwritten(&file, e))?;
-        log.try_lock().map_err(|_| {
-            Error::new(Code::Output, "the results are being written by another process").at(&file)
+        std::fs::create_dir_all(&path).map_err(|e| {
+            Error::new(Code::Output, "the results cannot be written").at(&path).why(e)
         })?;
+        let log = Log::continued(&path)?;
         let manifest = path.join(MANIFEST);
         if manifest.exists() {
             let fit = fits(&Manifest::read(&path)?.identity, identity, &path);
             fit.map_err(|e| e.help("undo the change, or choose another --output-dir"))?;
         }
-        let mut folder = Self { path, log, synced: Instant::now(), rows: Vec::new() };
+        let rows = Rows::new(campaign.figures.len(), &path);
+        let (synced, numeric) = (Instant::now(), Numeric::new(campaign));
+        let mut folder = Self { path, log, length: 0, synced, rows, numeric };
         folder.read_log()?;
         // The number of seeds, or the location of the file, may have changed.
         let new = Manifest {
@@ -95,81 +93,73 @@ impl Folder {
 
     /// The row of a run in a folder whose campaign has this identity.
     pub fn row(path: impl AsRef<Path>, run: u64, identity: &[String]) -> Result<Row> {
-        let mut rows = Self::rows_of(&path, identity)?.into_iter();
-        rows.find(|row| row.run == run).ok_or_else(|| {
+        let mut found = None;
+        let log = Self::log_of(path.as_ref(), identity)?;
+        let read = log.read(|line| {
+            // A line that is being written is not a row yet.
+            let row = line.row.ok().filter(|row| row.run == run);
+            found = found.take().or(row);
+        });
+        read.map_err(|e| log.unread(e))?;
+        found.ok_or_else(|| {
             let what = format!("run {run} is not among the results");
-            Error::new(Code::Results, what).at(path.as_ref().join(LOG))
+            Error::new(Code::Results, what).at(&log.path)
         })
     }
 
-    /// The rows in a folder whose campaign has this identity, in order of arrival.
-    pub fn rows_of(path: impl AsRef<Path>, identity: &[String]) -> Result<Vec<Row>> {
-        let path = path.as_ref();
+    /// The log in a folder whose campaign has this identity.
+    pub(super) fn log_of(path: &Path, identity: &[String]) -> Result<Log> {
         fits(&Manifest::read(path)?.identity, identity, path)?;
-        logged(path)
-    }
-
-    /// The contents of a folder, read-only: nothing is changed, and what cannot be read is skipped.
-    pub fn contents(path: impl AsRef<Path>) -> Result<Contents> {
-        let path = path.as_ref();
-        let Manifest { file, text, list, identity, cells, figures } = Manifest::read(path)?;
-        let (rows, notes) = rows_alone(path);
-        Ok(Contents { campaign: file, text, list, identity, cells, figures, rows, notes })
+        let unread = |e| Error::new(Code::Results, "the rows cannot be read").at(path).why(e);
+        Log::open(path).map_err(unread)
     }
 
     fn read_log(&mut self) -> Result<()> {
-        let file = self.path.join(LOG);
-        let unread = |e| Error::new(Code::Results, "the rows cannot be read").at(&file).why(e);
-        let (rows, mut wrong) = (&mut self.rows, None);
-        let whole = read_rows(&self.log, |line, row| match row {
-            Ok(row) => rows.push(row),
-            Err(why) => wrong = wrong.take().or(Some((line, why))),
+        let Self { log, rows, numeric, .. } = self;
+        let (mut noted, mut wrong) = (Ok(()), None);
+        let whole = log.read(|line| match line.row {
+            // Nothing after it counts.
+            _ if wrong.is_some() || noted.is_err() => (),
+            Ok(row) => noted = note(rows, numeric, line.place, &row),
+            Err(why) => wrong = Some((line.number, line.place, why)),
         });
-        let (mut whole, _) = whole.map_err(unread)?;
-        if let Some((line, _)) = wrong
-            && let Some(damaged) = lost_by_power(&file, line).map_err(unread)?
-        {
-            self.rows.truncate(line - 1);
-            (whole, wrong) = (damaged, None);
+        self.length = whole.map_err(|e| log.unread(e))?.octets;
+        noted?;
+        if let Some((line, place, why)) = wrong {
+            if !log.is_lost(place).map_err(|e| log.unread(e))? {
+                let what = Error::new(Code::Results, "a row cannot be read");
+                return Err(what.at_line(&log.path, line).why(why));
+            }
+            self.length = place;
         }
-        if let Some((line, why)) = wrong {
-            let what = Error::new(Code::Results, "a row cannot be read");
-            return Err(what.at_line(&file, line).why(why));
-        }
-        if whole < self.log.metadata().map_err(unread)?.len() {
-            self.log.set_len(whole).map_err(unread)?;
+        let all = log.file.metadata().map_err(|e| log.unread(e))?.len();
+        if self.length < all {
+            log.file.set_len(self.length).map_err(|e| log.unread(e))?;
         }
         Ok(())
     }
 
     /// The existing rows, in order of arrival.
-    pub fn rows(&self) -> &[Row] {
+    pub fn rows(&self) -> &Rows {
         &self.rows
     }
 
     /// Adds a row.
-    pub fn add(&mut self, row: Row) -> Result<()> {
-        let file = self.path.join(LOG);
-        let unwritten = |e: String| {
-            Error::new(Code::Output, "a row cannot be written")
-                .at(&file)
-                .why(e)
-                .help("free some space and run the same command again: existing rows are kept")
-        };
-        let mut line = serde_json::to_vec(&row).map_err(|e| unwritten(e.to_string()))?;
-        line.push(b'\n');
-        self.log.write_all(&line).map_err(|e| unwritten(e.to_string()))?;
-        self.rows.push(row);
+    pub fn add(&mut self, row: &Row) -> Result<()> {
+        let place = self.length;
+        self.length += self.log.add(row)?;
+        note(&mut self.rows, &mut self.numeric, place, row)?;
         if self.synced.elapsed() > SYNC { self.sync() } else { Ok(()) }
     }
 
     /// From now on, the rows survive a power loss.
     pub fn sync(&mut self) -> Result<()> {
         self.synced = Instant::now();
-        let file = self.path.join(LOG);
-        files::synced(self.log.sync_data())
+        files::synced(self.log.file.sync_data())
             .and_then(|()| files::sync_folder(&self.path))
-            .map_err(|e| Error::new(Code::Output, "the rows cannot be synced").at(file).why(e))
+            .map_err(|e| {
+                Error::new(Code::Output, "the rows cannot be synced").at(&self.log.path).why(e)
+            })
     }
 
     /// Writes a file of this folder as a whole.
@@ -183,37 +173,34 @@ impl Folder {
     /// Writes `runs.parquet`, and `runs.csv` on request: one row per run, in order, with its
     /// parameters and results.
     pub fn write_table(&self, campaign: &Campaign, identity: &[String], csv: bool) -> Result<()> {
-        let file = self.path.join(TABLE);
-        files::replace_by(&file, |table| {
-            let table = table::parquet(campaign, &self.rows, identity, BufWriter::new(table));
-            table.map_err(std::io::Error::other)
-        })
-        .map_err(|e| {
-            Error::new(Code::Output, "the table of runs cannot be written").at(&file).why(e)
+        let (log, rows) = (&self.log, &self.rows);
+        self.write_by(TABLE, |file| {
+            table::parquet(campaign, log, rows, &self.numeric, identity, file)
         })?;
         if csv {
-            self.write("runs.csv", table::csv(campaign, &self.rows))?;
+            self.write_by("runs.csv", |file| table::csv(campaign, log, rows, file))?;
         }
         Ok(())
     }
+
+    /// Writes a table of the rows as a whole.
+    fn write_by(
+        &self,
+        name: &str,
+        write: impl FnOnce(BufWriter<&File>) -> parquet::errors::Result<()>,
+    ) -> Result<()> {
+        let file = self.path.join(name);
+        files::replace_by(&file, |file| write(BufWriter::new(file)).map_err(std::io::Error::other))
+            .map_err(|e| {
+                Error::new(Code::Output, "the table of runs cannot be written").at(&file).why(e)
+            })
+    }
 }
 
-/// Where a line begins that a power loss left empty, as file systems do with parts that were not
-/// written yet: it and what follows is lost.
-fn lost_by_power(log: &Path, line: usize) -> std::io::Result<Option<u64>> {
-    let octets = std::fs::read(log)?;
-    let mut lines = octets.split_inclusive(|octet| *octet == b'\n');
-    let before: usize = lines.by_ref().take(line - 1).map(<[u8]>::len).sum();
-    Ok(lines.next().filter(|line| line.contains(&0)).map(|_| before as u64))
-}
-
-/// The rows in a folder, in order of arrival.
-fn logged(path: &Path) -> Result<Vec<Row>> {
-    let (file, mut rows) = (path.join(LOG), Vec::new());
-    // A line that is being written is not a row yet.
-    let read = File::open(&file).and_then(|log| read_rows(log, |_, row| rows.extend(row)));
-    read.map_err(|e| Error::new(Code::Results, "the rows cannot be read").at(&file).why(e))?;
-    Ok(rows)
+/// Notes the row in the line at this place of the log.
+fn note(rows: &mut Rows, numeric: &mut Numeric, place: u64, row: &Row) -> Result<()> {
+    numeric.note(row);
+    rows.push(place, row)
 }
 
 /// What is missing in a folder in which no campaign can be read; `None` if it is another folder.
@@ -238,151 +225,8 @@ pub(super) fn missing(path: &Path) -> Option<Vec<String>> {
     Some(notes)
 }
 
-/// What is wrong with the table of the rows in a folder.
-pub(super) fn table_note(path: &Path, rows: u64) -> Option<String> {
-    let problem = match table::runs(&path.join(TABLE)) {
-        Ok(runs) if runs == rows => return None,
-        Ok(runs) => format!("has {runs} of {rows} runs"),
-        Err(why) => format!("cannot be read: {why}"),
-    };
-    Some(format!("{TABLE} {problem}; run cosim campaign again to write it anew"))
-}
-
-/// The rows in a folder that can be read, each run once, and what cannot be read.
-pub(super) fn rows_alone(path: &Path) -> (Vec<Row>, Vec<String>) {
-    const SHOWN: usize = 5;
-    let (mut rows, mut notes) = (Vec::new(), Vec::new());
-    let file = path.join(LOG);
-    let log = match File::open(&file) {
-        Ok(log) => log,
-        Err(e) => return (rows, vec![format!("{} cannot be read: {e}", file.display())]),
-    };
-    let (mut lost, mut known) = (0, HashSet::new());
-    let whole = read_rows(&log, |line, row| match row {
-        Ok(row) if known.insert(row.run) => rows.push(row),
-        Ok(_) => {}
-        Err(e) => {
-            lost += 1;
-            if lost <= SHOWN {
-                notes.push(format!("line {line} of {LOG} is not a row: {e}"));
-            }
-        }
-    });
-    if lost > SHOWN {
-        notes.push(format!("{} more lines of {LOG} are not rows", lost - SHOWN));
-    }
-    match (whole, log.metadata()) {
-        (Err(e), _) => notes.push(format!("{LOG} cannot be read to its end: {e}")),
-        (Ok((whole, lines)), Ok(file)) if whole < file.len() => {
-            notes.push(format!("line {} of {LOG} is incomplete", lines + 1));
-        }
-        _ => {}
-    }
-    (rows, notes)
-}
-
-/// The row in a line of the log.
-type Parsed = serde_json::Result<Row>;
-
-/// Octets of the log that are parsed together.
-const BLOCK: u64 = 1 << 22;
-
-/// Passes each whole line of a log to `each`, with its number; returns how many octets they have, and
-/// how many there are.
-fn read_rows(
-    mut log: impl Read,
-    mut each: impl FnMut(usize, Parsed),
-) -> std::io::Result<(u64, usize)> {
-    let (mut block, mut whole, mut line) = (Vec::new(), 0, 0);
-    loop {
-        let read = log.by_ref().take(BLOCK).read_to_end(&mut block)?;
-        let end = block.iter().rposition(|octet| *octet == b'\n').map_or(0, |last| last + 1);
-        for row in parsed(&block[..end]).into_iter().flatten() {
-            line += 1;
-            row.into_iter().for_each(|row| each(line, row));
-        }
-        whole += end as u64;
-        block.drain(..end);
-        if read == 0 {
-            return Ok((whole, line));
-        }
-    }
-}
-
-/// The rows in these lines in parts, each parsed on another core; nothing for an empty line.
-fn parsed(lines: &[u8]) -> Vec<Vec<Option<Parsed>>> {
-    let cores = thread::available_parallelism().map_or(1, usize::from);
-    let (mut parts, mut rest) = (Vec::new(), lines);
-    while !rest.is_empty() {
-        let least = (lines.len() / cores).min(rest.len() - 1);
-        let end = rest[least..].iter().position(|octet| *octet == b'\n');
-        let (part, after) = rest.split_at(end.map_or(rest.len(), |end| least + end + 1));
-        parts.push(part);
-        rest = after;
-    }
-    let row = |line: &[u8]| (line != b"\n").then(|| serde_json::from_slice(line));
-    let rows = |part: &[u8]| part.split_inclusive(|octet| *octet == b'\n').map(row).collect();
-    thread::scope(|scope| {
-        let threads: Vec<_> = parts.iter().map(|part| scope.spawn(|| rows(part))).collect();
-        let joined = threads.into_iter().map(|thread| thread.join());
-        joined
-            .map(|rows: thread::Result<Vec<_>>| rows.unwrap_or_else(|e| resume_unwind(e)))
-            .collect()
-    })
-}
-
-/// The contents of a folder.
-pub struct Contents {
-    /// The file of the campaign.
-    pub campaign: PathBuf,
-    text: String,
-    list: Option<String>,
-    /// The identity of the campaign, as lines of text.
-    pub identity: Vec<String>,
-    /// The names of its cells: run `n` belongs to cell `n` modulo their number.
-    pub cells: Vec<String>,
-    /// The names of its figures, in the order of the rows.
-    pub figures: Vec<String>,
-    /// A row for each finished run.
-    pub rows: Vec<Row>,
-    /// What cannot be read, and why.
-    pub notes: Vec<String>,
-}
-
-impl Contents {
-    /// The campaign from its file, or as it was if that cannot be read or is another campaign now;
-    /// this is noted.
-    pub(super) fn read_campaign(&mut self, path: &Path) -> Result<Campaign> {
-        let fitting = |campaign: Campaign| self.fit(&campaign, path).map(|()| campaign);
-        Campaign::read(&self.campaign).and_then(fitting).or_else(|problem| {
-            if self.text.is_empty() {
-                return Err(problem);
-            }
-            let was = Campaign::parse_with(&self.text, &self.campaign, self.list.as_deref())?;
-            self.fit(&was, path)?;
-            let why = problem.line();
-            self.notes
-                .push(format!("the campaign is shown as it was when its runs were made: {why}"));
-            Ok(was)
-        })
-    }
-
-    /// Fails with the first differences if they belong to another campaign than this file.
-    fn fit(&self, campaign: &Campaign, path: &Path) -> Result<()> {
-        // Hashes of files decide whether runs can be repeated, not what their rows mean.
-        let hash = |text: &str| text.len() == 64 && text.bytes().all(|b| b.is_ascii_hexdigit());
-        let of_file = |line: &&String| {
-            // After the GUID, for components.
-            line.rsplit(' ').next().is_some_and(hash) || line.starts_with("cosim ")
-        };
-        let before: Vec<String> = self.identity.iter().filter(|l| !of_file(l)).cloned().collect();
-        let now = campaign.identity();
-        fits(&before, &now, path)
-    }
-}
-
 impl Manifest {
-    fn read(path: &Path) -> Result<Self> {
+    pub(super) fn read(path: &Path) -> Result<Self> {
         let file = path.join(MANIFEST);
         let unread = |e: String| {
             Error::new(Code::Results, "the folder holds no results of a campaign").at(&file).why(e)
@@ -393,7 +237,7 @@ impl Manifest {
 }
 
 /// Fails with the first differences if the results belong to another campaign.
-fn fits(before: &[String], now: &[String], path: &Path) -> Result<()> {
+pub(super) fn fits(before: &[String], now: &[String], path: &Path) -> Result<()> {
     let missing = |of: &[String], from: &[String]| -> Vec<String> {
         of.iter().filter(|line| !from.contains(line)).take(3).cloned().collect()
     };
@@ -426,22 +270,28 @@ mod tests {
         row
     }
 
+    /// All rows, in order of arrival.
+    fn rows(folder: &Folder) -> Vec<Row> {
+        let all: Vec<usize> = (0..folder.rows().runs().len()).collect();
+        folder.log.rows(&folder.rows().places(&all)).unwrap()
+    }
+
     #[test]
     fn rows_outlive_the_process_and_a_line_cut_short_is_made_again() {
         let (folder, campaign) = (tempfile::tempdir().unwrap(), campaign());
         let identity = campaign.identity();
         let open = || Folder::open(folder.path(), &campaign, &identity);
         let mut first = open().unwrap();
-        first.add(row(2)).unwrap();
-        first.add(row(0)).unwrap();
+        first.add(&row(2)).unwrap();
+        first.add(&row(0)).unwrap();
         assert!(open().err().unwrap().to_string().contains("another process"));
         drop(first);
         let log = folder.path().join(LOG);
         let whole = std::fs::read(&log).unwrap();
         std::fs::write(&log, [&whole[..], b"{\"run\":1,\"sta"].concat()).unwrap();
         let mut second = open().unwrap();
-        assert_eq!(second.rows(), [row(2), row(0)]);
-        second.add(row(1)).unwrap();
+        assert_eq!(rows(&second), [row(2), row(0)]);
+        second.add(&row(1)).unwrap();
         second.write_table(&campaign, &identity, true).unwrap();
         let read = cosim_results::read(folder.path().join("runs.parquet"));
         assert!(read.unwrap_err().to_string().contains("not called 'time'"));
@@ -459,14 +309,14 @@ mod tests {
         let (folder, campaign) = (tempfile::tempdir().unwrap(), campaign());
         let identity = campaign.identity();
         let mut first = Folder::open(folder.path(), &campaign, &identity).unwrap();
-        (0..2).for_each(|run| first.add(row(run)).unwrap());
+        (0..2).for_each(|run| first.add(&row(run)).unwrap());
         drop(first);
         let log = folder.path().join(LOG);
         let whole = std::fs::read(&log).unwrap();
         let second = serde_json::to_vec(&row(2)).unwrap();
         std::fs::write(&log, [&whole[..], &[0; 300], b"\n", &second, b"\n"].concat()).unwrap();
         let again = Folder::open(folder.path(), &campaign, &identity).unwrap();
-        assert_eq!(again.rows(), [row(0), row(1)]);
+        assert_eq!(rows(&again), [row(0), row(1)]);
         assert_eq!(std::fs::read(&log).unwrap(), whole);
         drop(again);
         std::fs::write(&log, [&whole[..], b"nonsense\n"].concat()).unwrap();

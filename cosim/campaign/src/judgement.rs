@@ -1,12 +1,12 @@
 //! Evaluates the rows of a campaign: figures of each cell, verdicts, differences between cells.
 
-use std::collections::HashMap;
-
 use serde::Serialize;
 
-use super::file::OverTime;
+use super::Campaign;
+use super::file::{Cell, Threshold};
+use super::rows::{Rows, ordered, pairs};
 use super::statistics::{Answer, Estimate, decide, quantile};
-use super::{Campaign, Row, Status};
+use cosim_base::error::Result;
 use cosim_base::names;
 use cosim_report::{self as report, chi_square_quantile};
 
@@ -119,39 +119,26 @@ const CONFIDENCE: f64 = 0.95;
 
 impl Judgement {
     /// Evaluates all existing rows of a campaign; their order of arrival does not matter.
-    pub fn new(campaign: &Campaign, rows: &[Row]) -> Self {
-        let mut cells: Vec<Vec<&Row>> = vec![Vec::new(); campaign.cells()];
-        let rows = rows.iter().filter(|row| row.run < campaign.runs());
-        rows.clone().for_each(|row| cells[campaign.cell_of(row.run)].push(row));
-        let mut judgement = Self {
-            runs: rows.clone().count() as u64,
-            failed: rows.filter(|row| row.status != Status::Ok).count() as u64,
-            figures: Vec::new(),
-            verdicts: Vec::new(),
-            compared: Vec::new(),
-            consistency: Vec::new(),
-            errors: Vec::new(),
-        };
-        for (cell, rows) in cells.iter().enumerate() {
-            let columns = columns(campaign, rows);
-            let good: Vec<bool> = rows.iter().map(|row| row.status == Status::Ok).collect();
-            for ((figure, _), column) in campaign.summarized().iter().zip(&columns) {
-                let values = column.iter().zip(&good).filter(|(_, good)| **good);
-                let values: Vec<f64> = values.map(|(value, _)| *value).collect();
-                judgement.figures.push(FigureOfCell {
-                    cell: campaign.cell_name(cell).to_owned(),
-                    figure: figure.clone(),
-                    runs: values.len(),
-                    median: quantile(&values, 0.5, CONFIDENCE),
-                    percentile_95: quantile(&values, 0.95, CONFIDENCE),
-                });
-            }
-            judgement.verdicts.extend(verdicts(campaign, cell, &columns));
-            judgement.compared.extend(compared(campaign, cell, &cells));
-            judgement.consistency.extend(consistency(campaign, cell, &columns));
-            judgement.errors.extend(errors(campaign, cell, &columns));
-        }
-        judgement
+    pub fn new(campaign: &Campaign, rows: &Rows) -> Result<Self> {
+        Self::until(campaign, rows, campaign.runs())
+    }
+
+    /// Evaluates the existing rows of the first runs: those below this number.
+    pub fn until(campaign: &Campaign, rows: &Rows, until: u64) -> Result<Self> {
+        let cells = rows.by_cell(campaign, until);
+        let runs: usize = cells.iter().map(Vec::len).sum();
+        let failed = cells.iter().flatten().filter(|at| !rows.is_good(**at)).count();
+        let (figures, compared) = figures(campaign, rows, &cells)?;
+        let (consistency, errors) = over_time(campaign, rows, &cells)?;
+        Ok(Self {
+            runs: runs as u64,
+            failed: failed as u64,
+            figures,
+            verdicts: verdicts(campaign, rows, &cells)?,
+            compared,
+            consistency,
+            errors,
+        })
     }
 
     /// The cells with an undecided threshold, or without any threshold.
@@ -170,136 +157,190 @@ impl Judgement {
     }
 }
 
-/// For each figure, its values in these rows. Each row is visited once: rows are in different places
-/// in memory.
-fn columns(campaign: &Campaign, rows: &[&Row]) -> Vec<Vec<f64>> {
-    let mut columns = vec![Vec::with_capacity(rows.len()); campaign.figures.len()];
-    for row in rows {
-        for (place, column) in columns.iter_mut().enumerate() {
-            column.push(row.figure(place));
+/// The values of these rows in a column.
+fn of(column: &[f64], rows: &[usize]) -> Vec<f64> {
+    rows.iter().map(|at| column[*at]).collect()
+}
+
+/// All figures, and their differences between replacements.
+fn figures(
+    campaign: &Campaign,
+    rows: &Rows,
+    cells: &[Vec<usize>],
+) -> Result<(Vec<FigureOfCell>, Vec<Compared>)> {
+    let pairs: Vec<_> = (0..cells.len()).map(|cell| paired(campaign, rows, cell, cells)).collect();
+    let (mut figures, mut compared) = (Vec::new(), Vec::new());
+    for (place, (figure, _)) in campaign.summarized().iter().enumerate() {
+        let column = rows.figure(place)?;
+        for (cell, own) in cells.iter().enumerate() {
+            let good = own.iter().filter(|at| rows.is_good(**at));
+            let values: Vec<f64> = good.map(|at| column[*at]).collect();
+            let summary = FigureOfCell {
+                cell: campaign.cell_name(cell).to_owned(),
+                figure: figure.clone(),
+                runs: values.len(),
+                median: quantile(&values, 0.5, CONFIDENCE),
+                percentile_95: quantile(&values, 0.95, CONFIDENCE),
+            };
+            figures.push((cell, summary));
+            let Some((first, pairs)) = &pairs[cell] else { continue };
+            let differences = pairs.iter().map(|(own, other)| column[*own] - column[*other]);
+            let differences: Vec<f64> = differences.filter(|value| !value.is_nan()).collect();
+            let difference = Compared {
+                cell: campaign.cell_name(*first).to_owned(),
+                with: campaign.cell_name(cell).to_owned(),
+                figure: figure.clone(),
+                pairs: differences.len(),
+                difference: quantile(&differences, 0.5, CONFIDENCE),
+            };
+            compared.push((cell, difference));
         }
     }
-    columns
+    Ok((ordered(figures), ordered(compared)))
 }
 
-fn verdicts(campaign: &Campaign, cell: usize, columns: &[Vec<f64>]) -> Vec<Verdict> {
-    let name = campaign.cell_name(cell);
-    let own = campaign.verdicts.iter().filter(|t| names::matches(&t.cells, name));
-    let verdict = |threshold: &super::file::Threshold| {
-        let (least, most) = (threshold.least, threshold.most);
-        let lowest = least.unwrap_or(f64::NEG_INFINITY);
-        let keeps = |value: &f64| *value >= lowest && most.is_none_or(|most| *value <= most);
-        // A run without figures counts as the worst possible.
-        let worst = if most.is_some() { f64::INFINITY } else { f64::NEG_INFINITY };
-        let values = columns[threshold.figure].iter();
-        let values: Vec<f64> =
-            values.map(|value| if value.is_nan() { worst } else { *value }).collect();
-        let kept = values.iter().filter(|value| keeps(value)).count() as u64;
-        // The quantile p is at most a bound if a share p of all is; at least, if 1 - p is.
-        let p = threshold.quantile;
-        let wanted = if most.is_some() { p } else { 1.0 - p };
-        let sign = if most.is_some() { "at most" } else { "at least" };
-        let bound = most.or(least).unwrap_or(f64::NAN);
-        // Each check of the rows gets its share of the error probability (Bonferroni).
-        let confidence = 1.0 - (1.0 - threshold.confidence) / campaign.looks().len() as f64;
-        let what = if p == 0.5 { "median".to_owned() } else { format!("quantile {p}") };
-        Verdict {
-            cell: name.to_owned(),
-            figure: campaign.figures[threshold.figure].0.clone(),
-            threshold: format!("{what} {sign} {bound}"),
-            answer: decide(kept, values.len() as u64, wanted, confidence),
-            quantile: quantile(&values, p, confidence),
-            runs: values.len() as u64,
-            kept,
-        }
-    };
-    own.map(verdict).collect()
-}
-
-/// The differences of a cell from the one with the first replacement and otherwise the same
-/// factors.
-fn compared(campaign: &Campaign, cell: usize, cells: &[Vec<&Row>]) -> Vec<Compared> {
+/// The cell with the first replacement and otherwise the same factors, and the pairs of rows of a
+/// cell and that one; `None` for the first one itself.
+fn paired(
+    campaign: &Campaign,
+    rows: &Rows,
+    cell: usize,
+    cells: &[Vec<usize>],
+) -> Option<(usize, Vec<(usize, usize)>)> {
     let own = &campaign.cells[cell];
-    if own.replacement == 0 {
-        return Vec::new();
-    }
-    let alike = |other: &&super::file::Cell| {
-        let all = |c: &super::file::Cell| (c.system, c.scenario, c.levels.clone(), c.row);
+    let alike = |other: &Cell| {
+        let all = |c: &Cell| (c.system, c.scenario, c.levels.clone(), c.row);
         other.replacement == 0 && all(other) == all(own)
     };
-    let Some(first) = campaign.cells.iter().find(alike) else { return Vec::new() };
-    let Some(place) = campaign.cells.iter().position(|c| c == first) else { return Vec::new() };
-    let others: HashMap<usize, &Row> =
-        cells[place].iter().map(|row| (campaign.replicate_of(row.run), *row)).collect();
-    let pairs = cells[cell]
-        .iter()
-        .filter_map(|row| Some((*row, *others.get(&campaign.replicate_of(row.run))?)));
-    let (own_rows, other_rows): (Vec<&Row>, Vec<&Row>) = pairs.unzip();
-    let (ours, theirs) = (columns(campaign, &own_rows), columns(campaign, &other_rows));
-    let figures = campaign.summarized().iter().zip(ours.iter().zip(&theirs));
-    let figures = figures.map(|((name, _), (ours, theirs))| {
-        let differences = ours.iter().zip(theirs).map(|(own, other)| own - other);
-        let differences: Vec<f64> = differences.filter(|value| !value.is_nan()).collect();
-        Compared {
-            cell: first.name.clone(),
-            with: own.name.clone(),
-            figure: name.clone(),
-            pairs: differences.len(),
-            difference: quantile(&differences, 0.5, CONFIDENCE),
-        }
-    });
-    figures.collect()
+    let first = campaign.cells.iter().position(alike).filter(|_| own.replacement != 0)?;
+    let replicate = |at: usize| campaign.replicate_of(rows.runs()[at]);
+    Some((first, pairs(&cells[cell], &cells[first], replicate, replicate)))
 }
 
-/// Each instant of the figures over time: the figure, the time (s), and its position in the rows.
-fn instants(campaign: &Campaign) -> impl Iterator<Item = (&OverTime, f64, usize)> {
-    campaign.over_time.iter().flat_map(move |over| {
-        let at = over.instants.iter();
-        at.filter_map(move |place| Some((over, campaign.figures[*place].1.instant()?, *place)))
-    })
+fn verdicts(campaign: &Campaign, rows: &Rows, cells: &[Vec<usize>]) -> Result<Vec<Verdict>> {
+    let mut verdicts = Vec::new();
+    for threshold in &campaign.verdicts {
+        let column = rows.figure(threshold.figure)?;
+        for (cell, own) in cells.iter().enumerate() {
+            let name = campaign.cell_name(cell);
+            if names::matches(&threshold.cells, name) {
+                verdicts.push((cell, verdict(campaign, threshold, name, of(&column, own))));
+            }
+        }
+    }
+    Ok(ordered(verdicts))
+}
+
+/// The verdict on the values of a figure in a cell.
+fn verdict(campaign: &Campaign, threshold: &Threshold, cell: &str, values: Vec<f64>) -> Verdict {
+    let (least, most) = (threshold.least, threshold.most);
+    let lowest = least.unwrap_or(f64::NEG_INFINITY);
+    let keeps = |value: &f64| *value >= lowest && most.is_none_or(|most| *value <= most);
+    // A run without figures counts as the worst possible.
+    let worst = if most.is_some() { f64::INFINITY } else { f64::NEG_INFINITY };
+    let counts = |value: f64| if value.is_nan() { worst } else { value };
+    let values: Vec<f64> = values.into_iter().map(counts).collect();
+    let kept = values.iter().filter(|value| keeps(value)).count() as u64;
+    // The quantile p is at most a bound if a share p of all is; at least, if 1 - p is.
+    let p = threshold.quantile;
+    let wanted = if most.is_some() { p } else { 1.0 - p };
+    let sign = if most.is_some() { "at most" } else { "at least" };
+    let bound = most.or(least).unwrap_or(f64::NAN);
+    // Each check of the rows gets its share of the error probability (Bonferroni).
+    let confidence = 1.0 - (1.0 - threshold.confidence) / campaign.looks().len() as f64;
+    let what = if p == 0.5 { "median".to_owned() } else { format!("quantile {p}") };
+    Verdict {
+        cell: cell.to_owned(),
+        figure: campaign.figures[threshold.figure].0.clone(),
+        threshold: format!("{what} {sign} {bound}"),
+        answer: decide(kept, values.len() as u64, wanted, confidence),
+        quantile: quantile(&values, p, confidence),
+        runs: values.len() as u64,
+        kept,
+    }
+}
+
+/// Figures at single instants: normalised errors squared, and errors.
+fn over_time(
+    campaign: &Campaign,
+    rows: &Rows,
+    cells: &[Vec<usize>],
+) -> Result<(Vec<Consistency>, Vec<Errors>)> {
+    let (mut consistent, mut errors) = (Vec::new(), Vec::new());
+    let all = campaign.over_time.iter();
+    for (over, place) in all.flat_map(|over| over.instants.iter().map(move |place| (over, *place)))
+    {
+        let Some(time) = campaign.figures[place].1.instant() else { continue };
+        let column = rows.figure(place)?;
+        // The claimed deviation of an error follows it.
+        let claimed = if over.axes.is_none() { rows.figure(place + 1)? } else { Vec::new() };
+        for (cell, own) in cells.iter().enumerate() {
+            let (name, figure) = (campaign.cell_name(cell).to_owned(), over.figure.clone());
+            let values = known(of(&column, own));
+            match over.axes {
+                Some(axes) => {
+                    consistent.push((cell, consistency(name, figure, time, axes, &values)))
+                }
+                None => {
+                    let claimed = known(of(&claimed, own));
+                    errors.push((cell, errors_at(name, figure, time, values, &claimed)));
+                }
+            }
+        }
+    }
+    Ok((ordered(consistent), ordered(errors)))
 }
 
 /// The values of a figure in the runs that have it.
-fn known(column: &[f64]) -> Vec<f64> {
-    column.iter().copied().filter(|value| !value.is_nan()).collect()
+fn known(mut values: Vec<f64>) -> Vec<f64> {
+    values.retain(|value| !value.is_nan());
+    values
 }
 
-fn consistency(campaign: &Campaign, cell: usize, columns: &[Vec<f64>]) -> Vec<Consistency> {
-    let of = |(over, time, place): (&OverTime, f64, usize)| {
-        let (axes, values) = (over.axes?, known(&columns[place]));
-        let count = values.len() as f64;
-        let freedom = count * axes as f64;
-        let band = [0.025, 0.975].map(|p| chi_square_quantile(p, freedom) / count);
-        let mean = values.iter().sum::<f64>() / count;
-        let (cell, figure) = (campaign.cell_name(cell).to_owned(), over.figure.clone());
-        Some(Consistency { cell, figure, time, runs: values.len(), mean, band })
-    };
-    instants(campaign).filter_map(of).collect()
+fn consistency(
+    cell: String,
+    figure: String,
+    time: f64,
+    axes: usize,
+    values: &[f64],
+) -> Consistency {
+    let count = values.len() as f64;
+    let freedom = count * axes as f64;
+    let band = [0.025, 0.975].map(|p| chi_square_quantile(p, freedom) / count);
+    let mean = values.iter().sum::<f64>() / count;
+    Consistency { cell, figure, time, runs: values.len(), mean, band }
 }
 
-fn errors(campaign: &Campaign, cell: usize, columns: &[Vec<f64>]) -> Vec<Errors> {
-    let of = |(over, time, place): (&OverTime, f64, usize)| {
-        let mut values = known(&columns[place]);
-        values.sort_by(f64::total_cmp);
-        Errors {
-            cell: campaign.cell_name(cell).to_owned(),
-            figure: over.figure.clone(),
-            time,
-            runs: values.len(),
-            quantiles: [0.05, 0.25, 0.5, 0.75, 0.95]
-                .map(|p| report::quantile_of_sorted(&values, p)),
-            sigma: report::quantile(&known(&columns[place + 1]), 0.5),
-        }
-    };
-    instants(campaign).filter(|(over, ..)| over.axes.is_none()).map(of).collect()
+fn errors_at(
+    cell: String,
+    figure: String,
+    time: f64,
+    mut values: Vec<f64>,
+    claimed: &[f64],
+) -> Errors {
+    values.sort_by(f64::total_cmp);
+    Errors {
+        cell,
+        figure,
+        time,
+        runs: values.len(),
+        quantiles: [0.05, 0.25, 0.5, 0.75, 0.95].map(|p| report::quantile_of_sorted(&values, p)),
+        sigma: report::quantile(claimed, 0.5),
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use std::path::Path;
 
-    use super::super::row::Number;
     use super::*;
+    use crate::{Number, Row, Status};
+
+    fn judge(campaign: &Campaign, all: &[Row]) -> Judgement {
+        let mut rows = Rows::new(campaign.figures.len(), Path::new("/nowhere"));
+        all.iter().for_each(|row| rows.push(0, row).unwrap());
+        Judgement::new(campaign, &rows).unwrap()
+    }
 
     /// Two replacements of 40 runs each: the second is worse by 1, and one of its runs fails.
     fn judged(thresholds: &str) -> Judgement {
@@ -318,7 +359,7 @@ mod tests {
             .collect();
         rows[1] = Row::without_figures(1, Status::Crashed, "ended by signal 11");
         rows.reverse();
-        Judgement::new(&campaign, &rows)
+        judge(&campaign, &rows)
     }
 
     #[test]
@@ -357,7 +398,7 @@ mod tests {
             row
         };
         let rows: Vec<Row> = (0..101).map(row).collect();
-        let judgement = Judgement::new(&campaign, &rows);
+        let judgement = judge(&campaign, &rows);
         let [first, second] = &judgement.errors[..] else { panic!() };
         assert_eq!((first.time, first.runs, first.sigma), (1.0, 101, 5.0));
         assert_eq!(first.quantiles, [-45.0, -25.0, 0.0, 25.0, 45.0]);

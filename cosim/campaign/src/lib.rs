@@ -7,14 +7,19 @@
 
 mod bench;
 mod change;
+mod columns;
+mod contents;
 mod design;
 mod figure;
 mod file;
 mod folder;
 mod judgement;
 mod keep;
+mod log;
+mod merge;
 mod report;
 mod row;
+mod rows;
 mod score;
 mod statistics;
 mod table;
@@ -22,12 +27,14 @@ mod trajectory;
 
 pub use bench::Bench;
 pub use change::{Change, Meaning, changes};
+pub use contents::Contents;
 pub use file::Campaign;
-pub use folder::{Contents, Folder};
+pub use folder::Folder;
 pub use judgement::{Compared, Consistency, Errors, FigureOfCell, Judgement, Verdict};
 pub use keep::kept;
 pub use report::{Report, report};
 pub use row::{Number, Row, RowDigest, Status};
+pub use rows::Rows;
 pub use score::Figures;
 pub use statistics::{Answer, Estimate};
 

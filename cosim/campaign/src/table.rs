@@ -9,20 +9,38 @@ use std::thread;
 use parquet::data_type::ByteArray;
 use parquet::errors::{ParquetError, Result as Written};
 use parquet::file::reader::{FileReader, SerializedFileReader};
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
 
-use super::row::Number;
+use super::log::Log;
+use super::row::{Number, RowDigest};
+use super::rows::Rows;
 use super::{Campaign, Row, Status};
+use cosim_base::error::Error;
 use cosim_results::check_footer;
 use cosim_results::columns::{Holds, Table, Values};
 
 /// Rows of a row group: few, because groups are in memory while they are written.
 const GROUP: usize = 1 << 13;
 
-/// The rows that belong to the campaign, in order.
-fn in_order<'r>(campaign: &Campaign, rows: &'r [Row]) -> Vec<&'r Row> {
-    let mut rows: Vec<&Row> = rows.iter().filter(|row| row.run < campaign.runs()).collect();
-    rows.sort_by_key(|row| row.run);
-    rows
+/// Which inputs are numbers in all rows of a campaign.
+pub(super) struct Numeric {
+    runs: u64,
+    inputs: Vec<bool>,
+}
+
+impl Numeric {
+    /// Of no rows yet.
+    pub(super) fn new(campaign: &Campaign) -> Self {
+        Self { runs: campaign.runs(), inputs: vec![true; campaign.inputs().count()] }
+    }
+
+    /// Adds a row.
+    pub(super) fn note(&mut self, row: &Row) {
+        for (place, numeric) in self.inputs.iter_mut().enumerate() {
+            *numeric &= row.run >= self.runs || at(&row.inputs, place).parse::<f64>().is_ok();
+        }
+    }
 }
 
 /// How many runs a table has, or why it cannot be read.
@@ -37,24 +55,19 @@ pub(super) fn runs(file: &Path) -> Result<u64, String> {
 /// As Parquet; `identity` is stored with it.
 pub(super) fn parquet(
     campaign: &Campaign,
-    rows: &[Row],
+    log: &Log,
+    rows: &Rows,
+    numeric: &Numeric,
     identity: &[String],
     output: impl Write + Send,
 ) -> Written<()> {
-    let rows = in_order(campaign, rows);
-    let inputs: Vec<(&str, bool)> = campaign
-        .inputs()
-        .enumerate()
-        .map(|(place, name)| {
-            (name, rows.iter().all(|row| at(&row.inputs, place).parse::<f64>().is_ok()))
-        })
-        .collect();
+    let inputs = || campaign.inputs().zip(&numeric.inputs);
     let named = |name: &str| (name.to_owned(), Holds::Text);
     let mut columns = vec![("run".to_owned(), Holds::Whole)];
     columns.extend(["cell", "system", "replacement", "scenario"].map(named));
     columns.push(("replicate".to_owned(), Holds::Whole));
-    columns.extend(inputs.iter().map(|(name, numbers)| {
-        ((*name).to_owned(), if *numbers { Holds::Real } else { Holds::Text })
+    columns.extend(inputs().map(|(name, numeric)| {
+        (name.to_owned(), if *numeric { Holds::Real } else { Holds::Text })
     }));
     columns.extend(["status", "reason"].map(named));
     columns.push(("simulated".to_owned(), Holds::OptionalReal));
@@ -77,40 +90,74 @@ pub(super) fn parquet(
     });
     let named: Vec<[ByteArray; 4]> = named.collect();
     let words = Status::ALL.map(|status| ByteArray::from(status.word()));
-    let group = |rows: &[&Row]| {
-        let input = |place| rows.iter().map(move |row| at(&row.inputs, place));
-        let mut values = vec![whole(rows.iter().map(|row| row.run))];
-        values.extend((0..4).map(|place| {
-            let names = rows.iter().map(|row| named[campaign.cell_of(row.run)][place].clone());
-            Values::Text(names.collect())
-        }));
-        values.push(whole(rows.iter().map(|row| campaign.replicate_of(row.run) as u64)));
-        values.extend(inputs.iter().enumerate().map(|(place, (_, numbers))| match numbers {
-            true => Values::Real(input(place).filter_map(|text| text.parse().ok()).collect()),
-            false => text(input(place)),
-        }));
-        let words = rows.iter().map(|row| words[row.status as usize].clone());
-        values.push(Values::Text(words.collect()));
-        values.push(text(rows.iter().map(|row| &*row.reason)));
-        values.push(real(rows.iter().map(|row| row.simulated.0)));
-        values.extend(
-            (0..campaign.figures.len()).map(|place| real(rows.iter().map(|row| row.figure(place)))),
-        );
-        let digests = rows.iter().map(|row| row.digest.to_string().into_bytes().into());
-        values.push(Values::Text(digests.collect()));
-        values.push(real(rows.iter().map(|row| row.cpu_ms.0)));
-        values
-    };
     let mut table = Table::new(output, columns, about)?;
-    // While a group is encoded, the next one is gathered.
-    thread::scope(|scope| {
-        let (send, groups) = mpsc::sync_channel(1);
-        let (rows, group) = (&rows, &group);
-        scope.spawn(move || rows.chunks(GROUP).try_for_each(|rows| send.send(group(rows))));
-        groups.into_iter().try_for_each(|values| table.group(values))
+    groups(campaign, log, rows, |order, lines: &[Rest]| {
+        let input = |place| lines.iter().map(move |row| at(&row.inputs, place));
+        let name = |place: usize| {
+            let names = lines.iter().map(|row| named[campaign.cell_of(row.run)][place].clone());
+            Values::Text(names.collect())
+        };
+        let mut table = table.begin()?;
+        table.add(whole(lines.iter().map(|row| row.run)))?;
+        (0..4).try_for_each(|place| table.add(name(place)))?;
+        let replicate = |row: &Rest| campaign.replicate_of(row.run) as u64;
+        table.add(whole(lines.iter().map(replicate)))?;
+        for (place, (_, numeric)) in inputs().enumerate() {
+            table.add(match numeric {
+                true => Values::Real(input(place).filter_map(|text| text.parse().ok()).collect()),
+                false => text(input(place)),
+            })?;
+        }
+        let statuses = lines.iter().map(|row| words[row.status as usize].clone());
+        table.add(Values::Text(statuses.collect()))?;
+        table.add(text(lines.iter().map(|row| &*row.reason)))?;
+        table.add(real(lines.iter().map(|row| row.simulated.0)))?;
+        for place in 0..campaign.figures.len() {
+            table.add(real(rows.figure_of(place, order).map_err(unread)?.into_iter()))?;
+        }
+        let digests = lines.iter().map(|row| row.digest.to_string().into_bytes().into());
+        table.add(Values::Text(digests.collect()))?;
+        table.add(real(lines.iter().map(|row| row.cpu_ms.0)))?;
+        table.end()
     })?;
     table.finish()?;
     table.output().flush().map_err(ParquetError::from)
+}
+
+/// A row without its figures, which are columns.
+#[derive(Deserialize)]
+struct Rest {
+    run: u64,
+    status: Status,
+    reason: Box<str>,
+    inputs: Box<[Box<str>]>,
+    simulated: Number,
+    digest: RowDigest,
+    cpu_ms: Number,
+}
+
+/// Passes the lines of rows that belong to the campaign to `each`, with their positions, in order,
+/// group by group. While one is written, the next one is read.
+fn groups<T: DeserializeOwned + Send>(
+    campaign: &Campaign,
+    log: &Log,
+    rows: &Rows,
+    mut each: impl FnMut(&[usize], &[T]) -> Written<()>,
+) -> Written<()> {
+    let order = rows.in_order(campaign.runs());
+    thread::scope(|scope| {
+        let (send, read) = mpsc::sync_channel(0);
+        let groups = order.chunks(GROUP);
+        let mut lines = groups.clone().map(|group| log.rows(&rows.places(group)));
+        scope.spawn(move || lines.try_for_each(|lines| send.send(lines)));
+        read.into_iter()
+            .zip(groups)
+            .try_for_each(|(lines, group)| each(group, &lines.map_err(unread)?))
+    })
+}
+
+fn unread(why: Error) -> ParquetError {
+    ParquetError::External(Box::new(why))
 }
 
 fn at(values: &[Box<str>], place: usize) -> &str {
@@ -131,13 +178,18 @@ fn real(values: impl Iterator<Item = f64>) -> Values {
 }
 
 /// As CSV.
-pub(super) fn csv(campaign: &Campaign, rows: &[Row]) -> String {
+pub(super) fn csv(
+    campaign: &Campaign,
+    log: &Log,
+    rows: &Rows,
+    mut output: impl Write,
+) -> Written<()> {
     let inputs: Vec<&str> = campaign.inputs().collect();
     let names = ["run", "cell", "replicate"].into_iter().chain(inputs.iter().copied());
     let names = names.chain(["status", "reason", "simulated"]).chain(campaign.figures());
     let names: Vec<String> = names.chain(["digest", "cpu_ms"]).map(quoted).collect();
-    let mut text = names.join(",") + "\n";
-    for row in in_order(campaign, rows) {
+    writeln!(output, "{}", names.join(","))?;
+    let line = |row: &Row| {
         let cell = campaign.cell_name(campaign.cell_of(row.run));
         let mut cells =
             vec![row.run.to_string(), quoted(cell), campaign.replicate_of(row.run).to_string()];
@@ -148,9 +200,12 @@ pub(super) fn csv(campaign: &Campaign, rows: &[Row]) -> String {
                 .map(|place| row.figures.get(place).map(Number::to_string).unwrap_or_default()),
         );
         cells.extend([row.digest.to_string(), known(row.cpu_ms)]);
-        text += &(cells.join(",") + "\n");
-    }
-    text
+        cells.join(",")
+    };
+    groups(campaign, log, rows, |_, rows: &[Row]| {
+        rows.iter().try_for_each(|row| Ok(writeln!(output, "{}", line(row))?))
+    })?;
+    Ok(output.flush()?)
 }
 
 /// Empty if it is missing.

@@ -12,7 +12,9 @@ use parquet::data_type::ByteArray;
 use parquet::errors::Result;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::{EnabledStatistics, WriterProperties};
-use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
+use parquet::file::writer::{
+    SerializedColumnWriter, SerializedFileWriter, SerializedRowGroupWriter,
+};
 use parquet::schema::types::{ColumnPath, Type};
 
 /// The type of a column.
@@ -100,14 +102,14 @@ impl<W: Write + Send> Table<W> {
 
     /// Writes a group of rows: all columns in order, with the same length.
     pub fn group(&mut self, columns: impl IntoIterator<Item = Values>) -> Result<()> {
-        let mut group = self.0.next_row_group()?;
-        for values in columns {
-            if let Some(mut column) = group.next_column()? {
-                write(&mut column, values)?;
-                column.close()?;
-            }
-        }
-        group.close().map(drop)
+        let mut group = self.begin()?;
+        columns.into_iter().try_for_each(|values| group.add(values))?;
+        group.end()
+    }
+
+    /// Begins a group of rows, to which columns are added one after another.
+    pub fn begin(&mut self) -> Result<Group<'_, W>> {
+        self.0.next_row_group().map(Group)
     }
 
     /// The output.
@@ -118,6 +120,24 @@ impl<W: Write + Send> Table<W> {
     /// Writes the end.
     pub fn finish(&mut self) -> Result<()> {
         self.0.finish().map(drop)
+    }
+}
+
+/// A group of rows.
+pub struct Group<'a, W: Write + Send>(SerializedRowGroupWriter<'a, W>);
+
+impl<W: Write + Send> Group<'_, W> {
+    /// Adds the next column.
+    pub fn add(&mut self, values: Values) -> Result<()> {
+        match self.0.next_column()? {
+            Some(mut column) => write(&mut column, values).and_then(|()| column.close()),
+            None => Ok(()),
+        }
+    }
+
+    /// Writes its end, after all columns.
+    pub fn end(self) -> Result<()> {
+        self.0.close().map(drop)
     }
 }
 

@@ -117,7 +117,8 @@ fn summaries(folder: &Path, file: &Path) -> Result<Vec<Row>> {
             "memory at 10^5 rows over that at 10^3",
             more.memory_mb / few.memory_mb,
             "x",
-            Bar::None,
+            Bar::AtMost(1.5),
         ),
+        row("  at 10^6", million.memory_mb / few.memory_mb, "x", Bar::None),
     ])
 }

@@ -91,7 +91,7 @@ fn write(bench: &Bench, outcomes: &[Outcome], folder: &Path) -> anyhow::Result<(
     let mut results = Folder::open(folder, bench.campaign(), &identity)?;
     let mut rows: Vec<&Row> = outcomes.iter().map(|outcome| &outcome.row).collect();
     rows.sort_by_key(|row| row.run);
-    rows.into_iter().try_for_each(|row| results.add(row.clone()))?;
+    rows.into_iter().try_for_each(|row| results.add(row))?;
     Ok(results.write_table(bench.campaign(), &identity, false)?)
 }
 

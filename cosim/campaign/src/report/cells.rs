@@ -6,10 +6,11 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::outage::Outage;
-use super::sample::{Sample, Sampling};
+use super::sample::{PART, Sample, Sampling};
 use crate::judgement::{self, Compared, Judgement, Verdict};
 use crate::statistics::Estimate;
-use crate::{Answer, Campaign, Row, Status};
+use crate::{Answer, Campaign, Contents, Rows};
+use cosim_base::error::Result;
 use cosim_report::{Numbers, chi_square_quantile, mean, quantile_of_sorted};
 
 /// A cell on the page.
@@ -112,12 +113,13 @@ pub(super) struct ShownRun {
 pub(super) struct Source<'a> {
     pub(super) campaign: &'a Campaign,
     pub(super) judgement: &'a Judgement,
+    pub(super) contents: &'a Contents,
     /// For each cell: its rows in the order of their numbers.
-    pub(super) rows: Vec<Vec<&'a Row>>,
+    pub(super) rows: Vec<Vec<usize>>,
     /// For each figure.
     pub(super) freedom: Vec<Option<usize>>,
     /// The figure by which runs are ordered.
-    pub(super) main: Main,
+    pub(super) main: Main<'a>,
     /// How many runs of a cell are shown in full.
     pub(super) runs_per_cell: usize,
     /// Other runs that are shown in full.
@@ -125,8 +127,51 @@ pub(super) struct Source<'a> {
 }
 
 impl<'a> Source<'a> {
-    /// A cell with this many runs as points.
-    pub(super) fn cell(&self, cell: usize, sampling: &Sampling) -> Cell<'a> {
+    /// All cells, with some runs as points.
+    pub(super) fn cells(&self, sampling: &Sampling) -> Result<Vec<Cell<'a>>> {
+        let rows = &self.contents.rows;
+        let mut cells: Vec<Cell<'a>> =
+            (0..self.rows.len()).map(|cell| self.cell(cell, sampling)).collect::<Result<_>>()?;
+        let good: Vec<Vec<usize>> = self.rows.iter().map(|rows| self.good(rows)).collect();
+        let points: Vec<Vec<usize>> = cells
+            .iter()
+            .zip(&good)
+            .map(|(cell, good)| {
+                sampling.points(self.campaign, rows, good, &self.main, &cell.chosen)
+            })
+            .collect();
+        let of = |column: &[f64], at: &[usize]| -> Vec<f64> {
+            at.iter().map(|at| column[*at]).collect()
+        };
+        for figure in 0..self.campaign.summarized().len() {
+            let column = rows.figure(figure)?;
+            for (place, cell) in cells.iter_mut().enumerate() {
+                cell.figures.push(self.figure(place, figure, &of(&column, &good[place])));
+                cell.sample.figures.push(Numbers::values(of(&column, &points[place])));
+            }
+            let correlations = sampling.sensitivity(rows, &column, &good)?;
+            for (cell, of_cell) in cells.iter_mut().zip(correlations) {
+                cell.sensitivity.push(Numbers::values(of_cell));
+            }
+        }
+        for input in 0..sampling.inputs.len() {
+            let column = sampling.column(rows, input)?;
+            for (cell, points) in cells.iter_mut().zip(&points) {
+                cell.sample.inputs.push(Numbers::values(of(&column, points)));
+            }
+        }
+        for (cell, points) in cells.iter_mut().zip(&points) {
+            cell.sample.run = points.iter().map(|at| rows.runs()[*at]).collect();
+        }
+        Ok(cells)
+    }
+
+    fn good(&self, rows: &[usize]) -> Vec<usize> {
+        rows.iter().copied().filter(|at| self.contents.rows.is_good(*at)).collect()
+    }
+
+    /// A cell without its figures and points.
+    fn cell(&self, cell: usize, sampling: &Sampling) -> Result<Cell<'a>> {
         let campaign = self.campaign;
         let (own, name) = (&campaign.cells[cell], campaign.cell_name(cell));
         let (row, column) = self.place(cell);
@@ -134,31 +179,32 @@ impl<'a> Source<'a> {
         let levels = levels.map(|((_, values), level)| values[*level].as_str());
         let listed = own.row.iter().flat_map(|row| campaign.list.rows[*row].iter());
         let rows = &self.rows[cell];
-        let figures = (0..campaign.summarized().len()).map(|figure| self.figure(cell, figure));
+        let (good, mut failed) = (self.good(rows), rows.clone());
+        failed.retain(|at| !self.contents.rows.is_good(*at));
         let also = self.also.iter().filter(|run| campaign.cell_of(**run) == cell);
         let also: Vec<u64> = also.copied().collect();
-        let chosen = self.main.choose(rows, self.runs_per_cell, &also);
-        Cell {
+        let runs = rows.iter().map(|at| self.contents.rows.runs()[*at]);
+        Ok(Cell {
             name,
             place: cell,
             row,
             column,
             scenario: &campaign.scenarios[own.scenario].0,
             levels: levels.chain(listed.map(String::as_str)).collect(),
-            outage: sampling.outages.of_cell(cell, rows),
+            outage: sampling.outages.of_cell(cell, runs),
             runs: rows.len(),
-            failed: rows.iter().filter(|row| row.status != Status::Ok).count(),
-            figures: figures.collect(),
+            failed: failed.len(),
+            figures: Vec::new(),
             verdicts: self.judgement.verdicts.iter().filter(|v| v.cell == name).collect(),
             compared: self.judgement.compared.iter().filter(|c| c.with == name).collect(),
             over_time: self.over_time(cell),
             errors: self.errors(cell),
-            sensitivity: sampling.sensitivity(rows),
-            failures: failures(rows),
-            sample: sampling.sample(campaign, rows, &self.main, &chosen),
+            sensitivity: Vec::new(),
+            failures: failures(self.contents, &failed)?,
+            sample: Sample::default(),
             shown: Vec::new(),
-            chosen,
-        }
+            chosen: self.main.choose(&good, self.runs_per_cell, &also),
+        })
     }
 
     /// Row and column of a cell in the matrix: columns are the alternatives that are compared, in
@@ -208,9 +254,7 @@ impl<'a> Source<'a> {
         figures.collect()
     }
 
-    fn figure(&self, cell: usize, figure: usize) -> Figure {
-        let good = self.rows[cell].iter().filter(|row| row.status == Status::Ok);
-        let values: Vec<f64> = good.map(|row| row.figure(figure)).collect();
+    fn figure(&self, cell: usize, figure: usize, values: &[f64]) -> Figure {
         let mut finite: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
         finite.sort_by(f64::total_cmp);
         let judged = &self.judgement.figures[cell * self.campaign.summarized().len() + figure];
@@ -235,47 +279,48 @@ impl<'a> Source<'a> {
     }
 }
 
-/// The figure by which runs are ordered, and whether small values are the bad ones.
-#[derive(Clone, Copy)]
-pub(super) struct Main {
+/// The figure by which runs are ordered.
+pub(super) struct Main<'a> {
     pub(super) figure: usize,
-    pub(super) small_is_bad: bool,
+    /// How bad each run is.
+    badness: Vec<f64>,
+    runs: &'a [u64],
 }
 
-impl Main {
+impl<'a> Main<'a> {
     /// The figure of the first threshold, otherwise the first one.
-    pub(super) fn of(campaign: &Campaign) -> Self {
+    pub(super) fn of(campaign: &Campaign, rows: &'a Rows) -> Result<Self> {
         // A threshold may also be on a figure at an instant, which is not shown.
         let mut bounded = campaign.verdicts.iter().map(|threshold| threshold.figure);
         let figure = bounded.find(|place| *place < campaign.summarized().len()).unwrap_or(0);
-        Self { figure, small_is_bad: small_is_bad(campaign, figure) }
+        let mut badness = rows.figure(figure)?;
+        let small_is_bad = small_is_bad(campaign, figure);
+        for value in &mut badness {
+            // What is not a number counts as the worst.
+            *value = match *value {
+                value if value.is_nan() => f64::INFINITY,
+                value if small_is_bad => -value,
+                value => value,
+            };
+        }
+        Ok(Self { figure, badness, runs: rows.runs() })
     }
 
-    /// The order from the worst run on; a value that is not a number counts as the worst.
-    pub(super) fn worse(&self, a: &Row, b: &Row) -> Ordering {
-        let badness = |row: &Row| {
-            let value = row.figure(self.figure);
-            if value.is_nan() {
-                f64::INFINITY
-            } else if self.small_is_bad {
-                -value
-            } else {
-                value
-            }
-        };
-        badness(b).total_cmp(&badness(a)).then(a.run.cmp(&b.run))
+    /// The order from the worst run on.
+    pub(super) fn worse(&self, a: usize, b: usize) -> Ordering {
+        self.badness[b].total_cmp(&self.badness[a]).then(self.runs[a].cmp(&self.runs[b]))
     }
 
-    /// Runs to show: the worst, the median, then others evenly spaced between them, and `also`.
+    /// Runs to show, of those that were simulated: the worst, the median, then others evenly spaced
+    /// between them, and `also`.
     pub(super) fn choose(
         &self,
-        rows: &[&Row],
+        good: &[usize],
         count: usize,
         also: &[u64],
     ) -> Vec<(u64, &'static str)> {
-        let mut good: Vec<&Row> =
-            rows.iter().copied().filter(|row| row.status == Status::Ok).collect();
-        good.sort_by(|a, b| self.worse(a, b));
+        let mut good = good.to_vec();
+        good.sort_by(|a, b| self.worse(*a, *b));
         let last = match good.len() {
             0 => return Vec::new(),
             length => length - 1,
@@ -283,12 +328,12 @@ impl Main {
         let mut chosen: Vec<(u64, &'static str)> = Vec::new();
         let even = (1..count).map(|i| (i * last / (count - 1), "between"));
         for (place, why) in [(0, "worst"), (last.div_ceil(2), "median")].into_iter().chain(even) {
-            let run = good[place].run;
+            let run = self.runs[good[place]];
             if chosen.len() < count && chosen.iter().all(|(known, _)| *known != run) {
                 chosen.push((run, why));
             }
         }
-        let made = |run: &&u64| good.iter().any(|row| row.run == **run);
+        let made = |run: &&u64| good.iter().any(|at| self.runs[*at] == **run);
         for run in also.iter().filter(made) {
             if chosen.iter().all(|(known, _)| known != run) {
                 chosen.push((*run, "chosen"));
@@ -304,27 +349,25 @@ pub(super) fn small_is_bad(campaign: &Campaign, figure: usize) -> bool {
     first.is_some_and(|threshold| threshold.least.is_some())
 }
 
-fn failures(rows: &[&Row]) -> Vec<Failure> {
+fn failures(contents: &Contents, failed: &[usize]) -> Result<Vec<Failure>> {
     const KINDS: usize = 20;
-    let mut kinds: BTreeMap<(&str, &str), Failure> = BTreeMap::new();
-    for row in rows.iter().filter(|row| row.status != Status::Ok) {
-        let (status, count) = (row.status.word(), 0);
-        let new = || Failure {
-            status,
-            reason: row.reason.chars().take(300).collect(),
-            count,
-            runs: Vec::new(),
-        };
-        let failure = kinds.entry((status, &row.reason)).or_insert_with(new);
-        failure.count += 1;
-        if failure.runs.len() < 5 {
-            failure.runs.push(row.run);
+    let mut kinds: BTreeMap<(&str, Box<str>), Failure> = BTreeMap::new();
+    for part in failed.chunks(PART) {
+        for row in contents.logged(part)? {
+            let (status, count) = (row.status.word(), 0);
+            let reason: String = row.reason.chars().take(300).collect();
+            let new = || Failure { status, reason, count, runs: Vec::new() };
+            let failure = kinds.entry((status, row.reason)).or_insert_with(new);
+            failure.count += 1;
+            if failure.runs.len() < 5 {
+                failure.runs.push(row.run);
+            }
         }
     }
     let mut failures: Vec<Failure> = kinds.into_values().collect();
     failures.sort_by_key(|failure| std::cmp::Reverse(failure.count));
     failures.truncate(KINDS);
-    failures
+    Ok(failures)
 }
 
 /// The worst come first if there is not enough space for all cells.

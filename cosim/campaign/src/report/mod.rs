@@ -15,7 +15,7 @@ use self::cells::{Cell, Main, Source, urgency};
 use self::outage::Outages;
 use self::sample::{Input, Sampling};
 use super::judgement::Judgement;
-use super::{Answer, Bench, Campaign, Contents, Folder, Row};
+use super::{Answer, Bench, Campaign, Contents};
 use cosim_base::error::{Error, Result};
 use cosim_report::{Block, Document, Section, Table, Term, Trace, Units};
 
@@ -78,7 +78,7 @@ pub fn report(
     options: &Report,
     more: &mut dyn FnMut(usize) -> bool,
 ) -> Result<(String, Vec<String>)> {
-    let read = Folder::contents(folder).and_then(|mut contents| {
+    let read = Contents::read(folder).and_then(|mut contents| {
         let mut read = || contents.read_campaign(folder);
         let both = (read()?, read()?);
         Ok((contents, both))
@@ -96,18 +96,13 @@ pub fn report(
         Ok(bench) => bench.units(0, &["*".to_owned()]).unwrap_or_default(),
         Err(_) => Units::default(),
     };
-    let judgement = Judgement::new(&campaign, &contents.rows);
-    let source = source(&campaign, &contents.rows, &judgement, &units, options);
+    let judgement = Judgement::new(&campaign, &contents.rows)?;
+    let source = source(&campaign, &contents, &judgement, &units, options)?;
     let main = source.main.figure;
     let unit = |name: &str| units.unit(name).unwrap_or_default().to_owned();
     let outages = bench.as_ref().map(Outages::of).unwrap_or_default();
-    let mut sampling = Sampling {
-        inputs: Input::of_all(&campaign, &contents.rows, &outages, unit),
-        outages,
-        figures: campaign.summarized().len(),
-        replicates: usize::MAX,
-    };
-    let mut cells = fitting(&source, &mut sampling, &mut notes);
+    let mut sampling = Sampling::new(&campaign, &contents, folder, outages, unit)?;
+    let mut cells = fitting(&source, &mut sampling, &mut notes)?;
     let used = octets(&cells) + octets(&options.sections);
     let mut runs = BTreeMap::new();
     let plan = shown::plan(&cells);
@@ -118,11 +113,12 @@ pub fn report(
             let left = plan.len() - most;
             notes.push(format!("{left} runs do not fit on this page: replay them one by one"));
         }
-        let made = shown::Shown { bench, campaign: &campaign, rows: &source.rows };
+        let (contents, rows) = (&contents, &source.rows);
+        let made = shown::Shown { bench, campaign: &campaign, contents, rows };
         runs = made.make(&plan[..plan.len().min(most)], space, &mut cells, more);
     }
     missing(&campaign, &judgement, &mut notes);
-    let table = super::folder::table_note(folder, judgement.runs);
+    let table = super::contents::table_note(folder, judgement.runs);
     notes.extend(table.clone());
     let document = Document {
         title: options.title.clone().unwrap_or_else(|| name(&campaign)),
@@ -141,28 +137,24 @@ pub fn report(
 
 fn source<'a>(
     campaign: &'a Campaign,
-    all: &'a [Row],
+    contents: &'a Contents,
     judgement: &'a Judgement,
     units: &Units,
     options: &'a Report,
-) -> Source<'a> {
-    let mut rows: Vec<Vec<&Row>> = vec![Vec::new(); campaign.cells()];
-    for row in all.iter().filter(|row| row.run < campaign.runs()) {
-        rows[campaign.cell_of(row.run)].push(row);
-    }
-    rows.iter_mut().for_each(|rows| rows.sort_by_key(|row| row.run));
+) -> Result<Source<'a>> {
     let recorded = units.names();
     let freedom =
         campaign.summarized().iter().map(|(_, figure)| figure.freedom(&recorded)).collect();
-    Source {
+    Ok(Source {
         campaign,
         judgement,
-        rows,
+        contents,
+        rows: contents.rows.by_cell(campaign, campaign.runs()),
         freedom,
-        main: Main::of(campaign),
+        main: Main::of(campaign, &contents.rows)?,
         runs_per_cell: options.runs_per_cell,
         also: &options.also,
-    }
+    })
 }
 
 /// All cells, with as many points as there is space for; if there is none, only the urgent cells.
@@ -170,12 +162,12 @@ fn fitting<'a>(
     source: &Source<'a>,
     sampling: &mut Sampling,
     notes: &mut Vec<String>,
-) -> Vec<Cell<'a>> {
+) -> Result<Vec<Cell<'a>>> {
     let count = source.campaign.cells();
     // A number has about seven octets.
     let of_point = 8 * (1 + sampling.figures + sampling.inputs.len());
     sampling.replicates = CELLS / 2 / (of_point * count);
-    let mut cells: Vec<Cell<'a>> = (0..count).map(|c| source.cell(c, sampling)).collect();
+    let mut cells = source.cells(sampling)?;
     let used = octets(&cells);
     if used > ALL - RUN {
         cells.sort_by_key(urgency);
@@ -193,7 +185,7 @@ fn fitting<'a>(
             sampling.replicates
         ));
     }
-    cells
+    Ok(cells)
 }
 
 /// The size on the page, where `<` is written as `\u003c`.
@@ -348,13 +340,14 @@ fn reported_by() -> Term {
 /// folder.
 fn remains(folder: &Path, options: &Report, problem: Error) -> Result<(String, Vec<String>)> {
     let Some(mut notes) = super::folder::missing(folder) else { return Err(problem) };
-    let (rows, unread) = super::folder::rows_alone(folder);
+    let (_, rows, unread) = super::contents::rows_alone(folder, 0)?;
     let (mut sections, mut why) = (Vec::new(), problem.line());
-    if !rows.is_empty() {
+    if !rows.runs().is_empty() {
         why = format!("only the states of runs are shown: {why}");
         let mut table = Table::new("Runs by how they ended", &["state", "runs"]);
         let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
-        rows.iter().for_each(|row| *counts.entry(row.status.word()).or_default() += 1);
+        let all = rows.in_order(u64::MAX).into_iter();
+        all.for_each(|at| *counts.entry(rows.status(at).word()).or_default() += 1);
         counts
             .into_iter()
             .for_each(|(state, runs)| table.push([state.to_owned(), runs.to_string()]));

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Bench, Row};
+use super::Bench;
 
 /// The outages of all runs.
 #[derive(Default)]
@@ -46,10 +46,14 @@ impl Outages {
         usize::try_from(run).ok().and_then(|run| self.by_run.get(run)).map_or(f64::NAN, |l| *l)
     }
 
-    /// `None` if the runs of the cell differ in it, or if it is not known.
-    pub(super) fn of_cell(&self, cell: usize, rows: &[&Row]) -> Option<Outage> {
-        let length = self.length(rows.first()?.run);
-        let same = rows.iter().all(|row| self.length(row.run) == length);
+    /// `None` if these runs of the cell differ in it, or if it is not known.
+    pub(super) fn of_cell(
+        &self,
+        cell: usize,
+        mut runs: impl Iterator<Item = u64>,
+    ) -> Option<Outage> {
+        let length = self.length(runs.next()?);
+        let same = !length.is_nan() && runs.all(|run| self.length(run) == length);
         let words = self.words.get(cell).filter(|_| same)?.clone();
         Some(Outage { words, length })
     }

@@ -1,23 +1,27 @@
 //! Runs as points, and the parameters that figures depend on.
 
 use std::collections::HashSet;
+use std::path::Path;
 
 use serde::Serialize;
 
 use super::Main;
 use super::outage::Outages;
-use crate::{Campaign, Row, Status};
+use crate::columns::Columns;
+use crate::rows::unkept;
+use crate::{Campaign, Contents, Rows};
+use cosim_base::error::Result;
 use cosim_report::Numbers;
 
 /// Some runs of a cell, column by column: the first replicates, which are the same in all cells,
 /// the worst, and those that are shown in full.
-#[derive(Serialize)]
+#[derive(Default, Serialize)]
 pub(super) struct Sample {
-    run: Vec<u64>,
+    pub(super) run: Vec<u64>,
     /// For each figure.
-    figures: Vec<Numbers>,
+    pub(super) figures: Vec<Numbers>,
     /// For each input.
-    inputs: Vec<Numbers>,
+    pub(super) inputs: Vec<Numbers>,
 }
 
 /// A parameter that differs from run to run or from cell to cell.
@@ -39,6 +43,9 @@ const OUTAGE: &str = "outage length";
 /// How runs become points.
 pub(super) struct Sampling {
     pub(super) inputs: Vec<Input>,
+    /// Two columns for each input of the rows: its value as a number, and its position among the
+    /// texts. Where it is the other of both, it is NaN.
+    pub(super) values: Columns,
     /// The values of the last input, if they are one.
     pub(super) outages: Outages,
     pub(super) figures: usize,
@@ -51,111 +58,117 @@ const WORST: usize = 20;
 /// Other texts of an input are not values.
 const TEXTS: usize = 50;
 
+/// Rows that are read from the log together.
+pub(super) const PART: usize = 1 << 12;
+
 impl Input {
-    /// The inputs of a campaign as in the rows, then the outages.
-    pub(super) fn of_all(
-        campaign: &Campaign,
-        rows: &[Row],
-        outages: &Outages,
-        unit: impl Fn(&str) -> String,
-    ) -> Vec<Self> {
-        let input = |(place, name): (usize, &str)| {
-            let mut texts: Vec<String> = Vec::new();
-            for text in rows.iter().filter_map(|row| row.inputs.get(place)) {
-                if text.parse::<f64>().is_err()
-                    && !texts.iter().any(|known| **known == **text)
-                    && texts.len() < TEXTS
-                {
-                    texts.push(text.to_string());
-                }
-            }
-            Self { name: name.to_owned(), unit: unit(name), texts, is_outage: false }
-        };
-        let outage = || Self {
-            name: OUTAGE.to_owned(),
-            unit: "s".to_owned(),
-            texts: Vec::new(),
-            is_outage: true,
-        };
-        let inputs = campaign.inputs().enumerate().map(input);
-        inputs.chain(outages.differ().then(outage)).collect()
+    fn new(name: &str, unit: String, is_outage: bool) -> Self {
+        Self { name: name.to_owned(), unit, texts: Vec::new(), is_outage }
     }
 
-    fn value(&self, place: usize, row: &Row, outages: &Outages) -> f64 {
-        if self.is_outage {
-            return outages.length(row.run);
+    /// A value as a number, and its position among the texts, which it may become one of.
+    fn value(&mut self, text: &str) -> [f64; 2] {
+        if let Ok(number) = text.parse() {
+            return [number, f64::NAN];
         }
-        let Some(text) = row.inputs.get(place) else { return f64::NAN };
-        if self.texts.is_empty() {
-            return text.parse().unwrap_or(f64::NAN);
-        }
-        self.texts.iter().position(|known| **known == **text).map_or(f64::NAN, |place| place as f64)
+        let known = self.texts.iter().position(|known| known == text);
+        let place = known.or_else(|| {
+            (self.texts.len() < TEXTS).then(|| self.texts.push(text.to_owned()))?;
+            Some(self.texts.len() - 1)
+        });
+        [f64::NAN, place.map_or(f64::NAN, |place| place as f64)]
     }
 }
 
 impl Sampling {
-    pub(super) fn sample(
-        &self,
+    /// Of the inputs of a campaign as in the rows, then of the outages; all replicates are points.
+    pub(super) fn new(
         campaign: &Campaign,
-        rows: &[&Row],
-        main: &Main,
-        shown: &[(u64, &str)],
-    ) -> Sample {
-        let good = || rows.iter().copied().filter(|row| row.status == Status::Ok);
-        let mut wanted: HashSet<u64> = shown.iter().map(|(run, _)| *run).collect();
-        if self.replicates > 0 {
-            let mut worst: Vec<&Row> = good().collect();
-            let count = WORST.min(worst.len());
-            if count < worst.len() {
-                worst.select_nth_unstable_by(count, |a, b| main.worse(a, b));
+        contents: &Contents,
+        folder: &Path,
+        outages: Outages,
+        unit: impl Fn(&str) -> String,
+    ) -> Result<Self> {
+        let inputs = campaign.inputs().map(|name| Input::new(name, unit(name), false));
+        let mut inputs: Vec<Input> = inputs.collect();
+        let mut values = Columns::new(2 * inputs.len(), folder);
+        let all: Vec<usize> = (0..contents.rows.runs().len()).collect();
+        let parts = if inputs.is_empty() { all[..0].chunks(PART) } else { all.chunks(PART) };
+        for part in parts {
+            for row in contents.logged(part)? {
+                let value = |(place, input): (usize, &mut Input)| {
+                    row.inputs.get(place).map_or([f64::NAN; 2], |text| input.value(text))
+                };
+                let row: Vec<[f64; 2]> = inputs.iter_mut().enumerate().map(value).collect();
+                values.push(row.into_flattened()).map_err(unkept)?;
             }
-            wanted.extend(worst[..count].iter().map(|row| row.run));
         }
-        let first = |row: &Row| campaign.replicate_of(row.run) < self.replicates;
-        let chosen = good().filter(|row| first(row) || wanted.contains(&row.run));
-        let chosen: Vec<&Row> = chosen.collect();
-        let column =
-            |value: &dyn Fn(&Row) -> f64| Numbers::values(chosen.iter().map(|row| value(row)));
-        let inputs = self.inputs.iter().enumerate();
-        Sample {
-            run: chosen.iter().map(|row| row.run).collect(),
-            figures: (0..self.figures).map(|f| column(&|row| row.figure(f))).collect(),
-            inputs: inputs
-                .map(|(place, input)| column(&|row| input.value(place, row, &self.outages)))
-                .collect(),
-        }
+        inputs.extend(outages.differ().then(|| Input::new(OUTAGE, "s".to_owned(), true)));
+        let figures = campaign.summarized().len();
+        Ok(Self { inputs, values, outages, figures, replicates: usize::MAX })
     }
 
-    /// Spearman's rank correlation of each figure with each input, over all runs.
-    pub(super) fn sensitivity(&self, rows: &[&Row]) -> Vec<Numbers> {
-        let good: Vec<&Row> = rows.iter().copied().filter(|row| row.status == Status::Ok).collect();
-        let inputs: Vec<Vec<f64>> = self
-            .inputs
-            .iter()
-            .enumerate()
-            .filter(|(_, input)| input.texts.is_empty())
-            .map(|(place, input)| {
-                good.iter().map(|row| input.value(place, row, &self.outages)).collect()
-            })
-            .collect();
-        let numeric: Vec<bool> = self.inputs.iter().map(|input| input.texts.is_empty()).collect();
-        let figure = |figure: usize| {
-            let values: Vec<f64> = good.iter().map(|row| row.figure(figure)).collect();
-            let mut of = inputs.iter();
-            let correlations = numeric.iter().map(|numeric| {
-                let input = if *numeric { of.next() } else { None };
-                input.map_or(f64::NAN, |input| rank_correlation(input, &values))
-            });
-            Numbers::values(correlations.collect::<Vec<_>>())
+    /// The values of an input in all rows: numbers, or positions of texts if any is no number.
+    pub(super) fn column(&self, rows: &Rows, place: usize) -> Result<Vec<f64>> {
+        let input = &self.inputs[place];
+        if input.is_outage {
+            return Ok(rows.runs().iter().map(|run| self.outages.length(*run)).collect());
+        }
+        self.values.column(2 * place + usize::from(!input.texts.is_empty())).map_err(unkept)
+    }
+
+    /// Those of a cell's simulated runs that are points.
+    pub(super) fn points(
+        &self,
+        campaign: &Campaign,
+        rows: &Rows,
+        good: &[usize],
+        main: &Main<'_>,
+        shown: &[(u64, &str)],
+    ) -> Vec<usize> {
+        let mut wanted: HashSet<u64> = shown.iter().map(|(run, _)| *run).collect();
+        if self.replicates > 0 {
+            let mut worst = good.to_vec();
+            let count = WORST.min(worst.len());
+            if count < worst.len() {
+                worst.select_nth_unstable_by(count, |a, b| main.worse(*a, *b));
+            }
+            wanted.extend(worst[..count].iter().map(|at| rows.runs()[*at]));
+        }
+        let is_point = |at: &usize| {
+            let run = rows.runs()[*at];
+            campaign.replicate_of(run) < self.replicates || wanted.contains(&run)
         };
-        (0..self.figures).map(figure).collect()
+        good.iter().copied().filter(is_point).collect()
+    }
+
+    /// For each cell: Spearman's rank correlation of a figure with each input, over all simulated
+    /// runs.
+    pub(super) fn sensitivity(
+        &self,
+        rows: &Rows,
+        figure: &[f64],
+        good: &[Vec<usize>],
+    ) -> Result<Vec<Vec<f64>>> {
+        let mut correlations = vec![Vec::new(); good.len()];
+        for (place, input) in self.inputs.iter().enumerate() {
+            let column = match input.texts.is_empty() {
+                true => self.column(rows, place)?,
+                false => vec![f64::NAN; figure.len()],
+            };
+            for (of_cell, good) in correlations.iter_mut().zip(good) {
+                let pairs = good.iter().map(|at| (column[*at], figure[*at]));
+                of_cell.push(rank_correlation(pairs));
+            }
+        }
+        Ok(correlations)
     }
 }
 
 /// NaN for fewer than five pairs of numbers, or if either is constant.
-fn rank_correlation(a: &[f64], b: &[f64]) -> f64 {
-    let known = |(a, b): &(&f64, &f64)| !a.is_nan() && !b.is_nan();
-    let (a, b): (Vec<f64>, Vec<f64>) = a.iter().zip(b).filter(known).unzip();
+fn rank_correlation(pairs: impl Iterator<Item = (f64, f64)>) -> f64 {
+    let known = |(a, b): &(f64, f64)| !a.is_nan() && !b.is_nan();
+    let (a, b): (Vec<f64>, Vec<f64>) = pairs.filter(known).unzip();
     if a.len() < 5 {
         return f64::NAN;
     }
@@ -188,10 +201,12 @@ mod tests {
     #[test]
     fn rank_correlations_are_those_of_scipy() {
         // scipy.stats.spearmanr
+        let of =
+            |a: &[f64; 6], b: &[f64; 6]| rank_correlation(a.iter().copied().zip(b.iter().copied()));
         let (a, b) = ([1.0, 2.0, 2.0, 4.0, 9.0, 7.0], [3.0, 1.0, 2.0, 8.0, 7.0, 7.0]);
-        assert!((rank_correlation(&a, &b) - 0.617_647_058_823_529_4).abs() < 1e-12);
-        assert_eq!(rank_correlation(&[1.0; 6], &b).to_string(), "NaN");
+        assert!((of(&a, &b) - 0.617_647_058_823_529_4).abs() < 1e-12);
+        assert_eq!(of(&[1.0; 6], &b).to_string(), "NaN");
         let gaps = [f64::NAN, 1.0, 2.0, 3.0, 4.0, 5.0];
-        assert_eq!(rank_correlation(&gaps, &gaps), 1.0);
+        assert_eq!(of(&gaps, &gaps), 1.0);
     }
 }

@@ -1,8 +1,8 @@
 //! Runs that are repeated to be shown in full.
 
 use super::cells::{Cell, ShownRun, urgency};
-use super::{Bench, Campaign, Contents, Row, Runs};
-use crate::Status;
+use super::{Bench, Campaign, Contents, Runs};
+use crate::{Row, Status};
 use cosim_base::error::{Error, Result};
 use cosim_core::observe::Recording;
 use cosim_report::{Choice, ShownAs, Trace};
@@ -15,7 +15,9 @@ pub(super) struct Shown<'a> {
     /// Or why no run can be made.
     pub(super) bench: Result<Bench, String>,
     pub(super) campaign: &'a Campaign,
-    pub(super) rows: &'a [Vec<&'a Row>],
+    pub(super) contents: &'a Contents,
+    /// For each cell: its rows in the order of their numbers.
+    pub(super) rows: &'a [Vec<usize>],
 }
 
 /// Prepares the runs, if nothing has changed.
@@ -73,9 +75,10 @@ impl Shown<'_> {
         runs
     }
 
-    fn row(&self, run: u64) -> Option<&Row> {
-        let rows = &self.rows[self.campaign.cell_of(run)];
-        rows.binary_search_by_key(&run, |row| row.run).ok().map(|place| rows[place])
+    fn row(&self, run: u64) -> Option<Row> {
+        let (rows, runs) = (&self.rows[self.campaign.cell_of(run)], self.contents.rows.runs());
+        let place = rows.binary_search_by_key(&run, |at| runs[*at]).ok()?;
+        self.contents.logged(&rows[place..=place]).ok()?.pop()
     }
 
     fn trace(&self, run: u64, most: usize) -> Result<Trace, String> {

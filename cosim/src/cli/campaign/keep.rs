@@ -17,8 +17,8 @@ const SLOWER: f64 = 2.0;
 /// Repeats the runs whose trajectories are wanted, each in its own process: a run that crashed
 /// crashes again.
 pub(super) fn keep(bench: &Bench, folder: &Path, results: Folder) -> Result<()> {
-    let kept = campaign::kept(bench.campaign(), results.rows());
-    // Each replay is a separate process that reads the rows: they are not needed in memory twice.
+    let kept = campaign::kept(bench.campaign(), results.rows())?;
+    // Each replay is a separate process that reads the log.
     drop(results);
     let program = this_program()?;
     let seconds = SLOWER * bench.campaign().time_limit;

@@ -1,9 +1,6 @@
 //! `cosim campaign --merge`: merges the results of shards into those of one campaign.
 
-use std::collections::BTreeMap;
-use std::path::Path;
-
-use cosim::campaign::{self, Bench, Folder, Row};
+use cosim::campaign::{self, Bench, Folder};
 use cosim::{Code, Error, Result};
 
 use super::keep::keep;
@@ -21,46 +18,17 @@ impl Campaign {
         let bench = Bench::open(campaign::Campaign::read(Folder::campaign(first)?)?)?;
         let identity = bench.identity()?;
         let mut results = Folder::open(output, bench.campaign(), &identity)?;
-        let own = results.rows().iter().cloned().map(|row| (row.run, (output.as_path(), row)));
-        let mut all: BTreeMap<u64, (&Path, Row)> = own.collect();
-        let mut new = Vec::new();
-        for folder in &self.merge {
-            for row in Folder::rows_of(folder, &identity)? {
-                match all.get(&row.run) {
-                    Some((_, other)) if other.agrees(&row) => {}
-                    Some((other, _)) => return Err(parted(row.run, other, folder)),
-                    None => {
-                        new.push(row.run);
-                        all.insert(row.run, (folder, row));
-                    }
-                }
-            }
-        }
-        new.sort_unstable();
-        for run in new {
-            if let Some((_, row)) = all.get(&run) {
-                results.add(row.clone())?;
-            }
-        }
+        results.merge(&self.merge, &identity)?;
         let judgement = self.conclude(&bench, &identity, &results)?;
-        let missing: Vec<u64> =
-            (0..bench.campaign().runs()).filter(|run| !all.contains_key(run)).collect();
+        let all = bench.campaign().runs();
+        let there = results.rows().made(all);
+        let missing: Vec<u64> = (0..all).filter(|run| !there[*run as usize]).collect();
         if !missing.is_empty() {
-            return Err(incomplete(&missing, bench.campaign().runs()));
+            return Err(incomplete(&missing, all));
         }
         keep(&bench, output, results)?;
         verdict(&judgement)
     }
-}
-
-fn parted(run: u64, one: &Path, other: &Path) -> Error {
-    let what = format!("run {run} differs between {} and {}", one.display(), other.display());
-    Error::new(Code::Parted, what)
-        .why("the same run gave different figures, or ended differently")
-        .help(format!(
-            "check it with cosim replay {} {run}, then omit one of the folders",
-            other.display()
-        ))
 }
 
 fn incomplete(missing: &[u64], all: u64) -> Error {

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use clap::Args;
-use cosim::campaign::{self, Answer, Bench, Folder, Judgement, Row};
+use cosim::campaign::{self, Answer, Bench, Contents, Folder, Judgement};
 use cosim::confine::reap_descendants;
 use cosim::{Code, Error, Result};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -83,7 +83,7 @@ impl Campaign {
         };
         let bench = Bench::open(campaign::Campaign::read(file)?)?;
         bench.check()?;
-        let past = self.compare.as_ref().map(Folder::contents).transpose()?;
+        let past = self.compare.as_ref().map(Contents::read).transpose()?;
         let identity = bench.identity()?;
         let cores = || std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
         let jobs = self.jobs.map_or_else(cores, std::num::NonZero::get);
@@ -108,7 +108,7 @@ impl Campaign {
         results.sync()?;
         let judgement = self.conclude(&bench, &identity, &results)?;
         if let Some(past) = past {
-            let changes = campaign::changes(bench.campaign(), results.rows(), &past);
+            let changes = campaign::changes(bench.campaign(), results.rows(), &past)?;
             results.write("changes.json", render::json(&changes)?)?;
             if self.format == Format::Text && !self.quiet {
                 print(&render::changes(&changes))?;
@@ -132,21 +132,15 @@ impl Campaign {
 
     fn make(&self, bench: &Bench, pool: &pool::Pool<'_>, results: &mut Folder) -> Result<()> {
         let campaign = bench.campaign();
-        let mut over = vec![false; campaign.runs() as usize];
-        for row in results.rows() {
-            if let Some(over) = over.get_mut(row.run as usize) {
-                *over = true;
-            }
+        let over = results.rows().made(campaign.runs());
+        let wanted = |run: &u64| self.shard.is_none_or(|shard| shard.has(*run, campaign.cells()));
+        let left = |run: &u64| wanted(run) && !over[*run as usize];
+        let all = (0..campaign.runs()).filter(wanted).count();
+        let count = (0..campaign.runs()).filter(left).count();
+        if count < all && !self.quiet {
+            messages::note(&format!("{} of {all} runs are already done", all - count));
         }
-        let wanted: Vec<u64> = (0..campaign.runs())
-            .filter(|run| self.shard.is_none_or(|shard| shard.has(*run, campaign.cells())))
-            .collect();
-        let left: Vec<u64> = wanted.iter().copied().filter(|run| !over[*run as usize]).collect();
-        if left.len() < wanted.len() && !self.quiet {
-            let there = wanted.len() - left.len();
-            messages::note(&format!("{there} of {} runs are already done", wanted.len()));
-        }
-        let bar = if self.quiet { ProgressBar::hidden() } else { bar(left.len() as u64) };
+        let bar = if self.quiet { ProgressBar::hidden() } else { bar(count as u64) };
         let (mut failed, mut looked) = (0, Instant::now());
         let mut cells: Vec<usize> = (0..campaign.cells()).collect();
         let (mut outcome, mut begin) = (Ok(()), 0);
@@ -155,14 +149,13 @@ impl Campaign {
             let block = (begin..end).flat_map(|replicate| {
                 cells.iter().map(move |cell| (replicate * campaign.cells() + cell) as u64)
             });
-            let block: Vec<u64> = block.filter(|run| left.binary_search(run).is_ok()).collect();
-            outcome = pool.make(&block, &mut |row| {
+            outcome = pool.make(block.filter(left), &mut |row| {
                 failed += u64::from(row.status != campaign::Status::Ok);
-                results.add(row)?;
+                results.add(&row)?;
                 bar.inc(1);
                 if looked.elapsed() > LOOK {
                     looked = Instant::now();
-                    let judgement = Judgement::new(campaign, results.rows());
+                    let judgement = Judgement::new(campaign, results.rows())?;
                     bar.set_message(format!("{failed} failed; {}", render::counted(&judgement)));
                 }
                 Ok(())
@@ -171,9 +164,7 @@ impl Campaign {
                 break;
             }
             let until = (end * campaign.cells()) as u64;
-            let known: Vec<Row> =
-                results.rows().iter().filter(|row| row.run < until).cloned().collect();
-            let open = Judgement::new(campaign, &known).open_cells(campaign);
+            let open = Judgement::until(campaign, results.rows(), until)?.open_cells(campaign);
             cells.retain(|cell| open.contains(cell));
             begin = end;
         }
@@ -189,6 +180,7 @@ impl Campaign {
             (Judgement::new(campaign, results.rows()), table.join())
         });
         written.unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
+        let judgement = judgement?;
         let json = render::json(&judgement)?;
         results.write("summary.json", &json)?;
         results.write("junit.xml", render::junit(&judgement))?;
@@ -203,7 +195,7 @@ impl Campaign {
     fn estimate(&self, bench: &Bench, pool: &pool::Pool<'_>, jobs: usize) -> Result<()> {
         let campaign = bench.campaign();
         let mut first = None;
-        pool.make(&[0], &mut |row| {
+        pool.make(std::iter::once(0), &mut |row| {
             first = Some(row);
             Ok(())
         })?;

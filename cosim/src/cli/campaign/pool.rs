@@ -6,8 +6,8 @@ use std::os::fd::AsFd;
 use std::os::unix::process::CommandExt;
 use std::path::PathBuf;
 use std::process::{ChildStdin, ChildStdout, Command, Stdio};
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::mpsc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError, mpsc};
 use std::time::{Duration, Instant};
 
 use cosim::campaign::{Bench, Row, Status, fingerprint};
@@ -34,18 +34,21 @@ impl<'a> Pool<'a> {
 
     /// Makes these runs, as many in parallel as there are jobs, and hands over each row when it is
     /// ready. After a signal or an error of `keep`, no further run is started.
-    pub(super) fn make(&self, runs: &[u64], keep: &mut dyn FnMut(Row) -> Result<()>) -> Result<()> {
-        let (next, enough) = (AtomicUsize::new(0), AtomicBool::new(false));
+    pub(super) fn make(
+        &self,
+        runs: impl Iterator<Item = u64> + Send,
+        keep: &mut dyn FnMut(Row) -> Result<()>,
+    ) -> Result<()> {
+        let (runs, enough) = (Mutex::new(runs.fuse()), AtomicBool::new(false));
+        let next = || runs.lock().unwrap_or_else(PoisonError::into_inner).next();
         let (send, receive) = mpsc::channel();
         std::thread::scope(|scope| {
-            for _ in 0..self.jobs.min(runs.len()) {
+            for _ in 0..self.jobs {
                 let (send, next, enough) = (send.clone(), &next, &enough);
                 scope.spawn(move || {
                     let mut maker = None;
                     while !enough.load(Ordering::Relaxed) && !interrupted() {
-                        let Some(&run) = runs.get(next.fetch_add(1, Ordering::Relaxed)) else {
-                            break;
-                        };
+                        let Some(run) = next() else { break };
                         if send.send(self.row(&mut maker, run)).is_err() {
                             break;
                         }
