@@ -15,8 +15,11 @@ const SMOKE_CELLS: [&str; 5] =
     ["BE3", "outage", "propeller-during-tactical", "smoother", "loop-HELIX"];
 const SMOKE_MISSIONS: u32 = 8;
 
-/// What is done, in this order, with its name in the list of times.
-const STEPS: [(&str, fn() -> Result<()>); 16] = [
+/// What is done, with its name in the list of times.
+type Step = (&'static str, fn() -> Result<()>);
+
+/// In this order.
+const STEPS: [Step; 16] = [
     ("format", || cargo(&["fmt", "--all", "--check"])),
     ("lints", || cargo(&[&LINT[..], &["-D", "warnings"]].concat())),
     ("program without its features", || {
