@@ -1,17 +1,4 @@
-//! Reads events from JSON of the Open Simulation Platform:
-//!
-//! ```json
-//! { "description": "the DVL fails for half a minute",
-//!   "defaults": { "model": "dvl", "action": "override" },
-//!   "events": [
-//!     { "time": 100, "variable": "off", "value": 1 },
-//!     { "time": 130, "variable": "off", "action": "reset" } ],
-//!   "end": 200 }
-//! ```
-//!
-//! `override` sets the variable to that value from then on, `bias` adds the value to it, `reset`
-//! ends either. `defaults` are used for keys that an event omits; `end` ends the run early. Events
-//! at the same instant happen in the order of the file.
+//! Reads events from JSON of the Open Simulation Platform.
 
 use std::path::Path;
 
