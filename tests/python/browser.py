@@ -1,6 +1,7 @@
-"""Chromium, as the tests of reports and of live runs use it.
+"""Chromium, as the tests of reports and of live runs use it: the one that the variable CHROMIUM names, or the system's.
 
 Without it these tests are skipped, and the summary of the tests says so; where CI is set they fail.
+`cargo xtask test` unpacks Debian's where the system has none. As a program, this file prints which one there is.
 """
 
 import contextlib
@@ -10,7 +11,8 @@ import shutil
 import pytest
 from playwright.sync_api import sync_playwright
 
-CHROMIUM = next(filter(None, map(shutil.which, ["chromium", "chromium-browser", "google-chrome"])), None)
+NAMES = [os.environ.get("CHROMIUM", ""), "chromium", "chromium-browser", "google-chrome"]
+CHROMIUM = next(filter(None, map(shutil.which, NAMES)), None)
 MISSING = "no Chromium is installed, so no page is opened (Debian: apt-get install chromium)"
 needs_chromium = pytest.mark.skipif(CHROMIUM is None and not os.environ.get("CI"), reason=MISSING)
 
@@ -47,3 +49,7 @@ def draw_all(page):
         }
         window.scrollTo(0, 0);
     }""")
+
+
+if __name__ == "__main__":
+    print(CHROMIUM or "")

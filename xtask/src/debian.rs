@@ -9,7 +9,8 @@ use anyhow::{Context, Result, bail, ensure};
 use std::{
     collections::BTreeSet,
     ffi::{OsStr, OsString},
-    fs,
+    fs::{self, Permissions},
+    os::unix::fs::PermissionsExt,
     path::{Path, PathBuf},
     process::Command,
     sync::Mutex,
@@ -92,6 +93,42 @@ pub(crate) fn install_wine(offline: bool) -> Result<[PathBuf; 2]> {
     present([programs.join("wine64"), libraries])
 }
 
+/// A browser without windows, with its libraries and a font: the script that starts it.
+pub(crate) fn install_chromium() -> Result<PathBuf> {
+    let browser = folder().join("chromium");
+    let start = browser.join("chromium");
+    if start.is_file() {
+        return Ok(start);
+    }
+    // What nearly every system has, and what only configures an installed system.
+    let configuring = ["adduser", "chromium-common", "debconf", "dpkg", "fonts-", "x11-common"];
+    let without = [&["libc6", "libgcc-s1", "libstdc++6", "zlib1g"][..], &configuring].concat();
+    let mut packages = with_dependencies("chromium-headless-shell", &without)?;
+    packages.insert("fonts-dejavu-core".to_owned());
+    unpack(&packages, "chromium", &[])?;
+    unpack(&named(&["chromium-common"]), "chromium", &["usr/lib/chromium"])?;
+    let place = browser.display();
+    fs::write(
+        browser.join("fonts.conf"),
+        format!(
+            "<fontconfig><dir>{place}/usr/share/fonts</dir><cachedir>{place}/cache</cachedir>\
+             </fontconfig>\n"
+        ),
+    )?;
+    let script = format!(
+        "#!/bin/sh\n\
+         export FONTCONFIG_FILE='{place}/fonts.conf'\n\
+         own='{place}/usr/lib/x86_64-linux-gnu'\n\
+         export LD_LIBRARY_PATH=\"$own:{place}/lib/x86_64-linux-gnu:$own/pulseaudio\"\n\
+         exec '{place}/usr/lib/chromium/chromium-headless-shell' \"$@\"\n"
+    );
+    fs::write(&start, script)?;
+    fs::set_permissions(&start, Permissions::from_mode(0o755))?;
+    process::output(Command::new(&start).arg("--version"))
+        .context("Debian's Chromium does not start here")?;
+    Ok(start)
+}
+
 fn replace(from: &Path, to: &Path) -> Result<()> {
     let _ = fs::remove_file(to);
     fs::copy(from, to).with_context(|| from.display().to_string())?;
@@ -134,13 +171,16 @@ fn named(packages: &[&str]) -> BTreeSet<String> {
 /// done.
 fn unpack(packages: &BTreeSet<String>, into: &str, parts: &[&str]) -> Result<()> {
     let into = folder().join(into);
-    for package in packages {
-        let done = into.join(format!("{}.done", package.replace(':', "_")));
-        if done.is_file() {
-            continue;
-        }
-        let archive = download(package)?;
-        fs::create_dir_all(&into)?;
+    fs::create_dir_all(&into)?;
+    let done = |package: &str| into.join(format!("{}.done", package.replace(':', "_")));
+    let missing: Vec<&str> =
+        packages.iter().map(String::as_str).filter(|package| !done(package).is_file()).collect();
+    if missing.is_empty() {
+        return Ok(());
+    }
+    download(&missing)?;
+    for package in missing {
+        let archive = downloaded(package)?;
         let shown = archive.display();
         // Parts are named as in the archive, which tar reads from dpkg-deb.
         let mut contents = Command::new("dpkg-deb");
@@ -152,34 +192,42 @@ fn unpack(packages: &BTreeSet<String>, into: &str, parts: &[&str]) -> Result<()>
         process::quietly(&mut tar).with_context(|| format!("{shown} cannot be unpacked"))?;
         ensure!(contents.wait()?.success(), "{shown} cannot be read");
         let version = archive.file_name().unwrap_or_default();
-        fs::write(done, version.as_encoded_bytes())?;
+        fs::write(done(package), version.as_encoded_bytes())?;
         fs::remove_file(&archive)?;
     }
     Ok(())
 }
 
-/// A package's file: the pinned version, or the newest available one if the archives no longer have
-/// the pinned one or none is pinned.
-fn download(package: &str) -> Result<PathBuf> {
-    let name = package.split(':').next().unwrap_or_default();
-    let pin = PINS.lines().filter_map(|line| line.split_once(' ')).find(|(of, _)| *of == name);
-    let pinned = pin.map(|(_, version)| format!("{package}={version}"));
-    println!("downloading {}", pinned.as_deref().unwrap_or(package));
-    let taken = pinned.as_deref().map_or(Ok(()), fetch);
-    if let Err(gone) = &taken {
-        println!("  {gone:#}\n  taking the newest version of {package} instead");
-    }
-    if pinned.is_none() || taken.is_err() {
-        fetch(package)?;
-    }
+/// Downloads packages: the pinned versions, or the newest available ones if the archives no longer
+/// have all of those.
+fn download(packages: &[&str]) -> Result<()> {
+    println!("downloading {}", packages.join(" "));
+    let pinned = |package: &&str| {
+        let pin = PINS.lines().filter_map(|line| line.split_once(' '));
+        let version = pin.filter(|(of, _)| of == &name(package)).map(|(_, version)| version).next();
+        version.map_or_else(|| (*package).to_owned(), |version| format!("{package}={version}"))
+    };
+    fetch(packages.iter().map(pinned)).or_else(|gone| {
+        println!("  {gone:#}\n  taking the newest versions instead");
+        fetch(packages.iter().map(|&package| package.to_owned()))
+    })
+}
+
+/// The file of a package that was downloaded.
+fn downloaded(package: &str) -> Result<PathBuf> {
     let mut found = fs::read_dir(archives())?.flatten().map(|entry| entry.path());
     let is_it = |path: &PathBuf| {
         path.extension() == Some(OsStr::new("deb"))
             && path.file_name().and_then(OsStr::to_str).is_some_and(|file| {
-                file.strip_prefix(name).is_some_and(|rest| rest.starts_with('_'))
+                file.strip_prefix(name(package)).is_some_and(|rest| rest.starts_with('_'))
             })
     };
     found.find(is_it).with_context(|| format!("apt-get has left no file of {package}"))
+}
+
+/// A package's name without its architecture.
+fn name(package: &str) -> &str {
+    package.split(':').next().unwrap_or_default()
 }
 
 /// The versions to take: a name and a version, in which `*` is any text.
@@ -189,29 +237,29 @@ fn archives() -> PathBuf {
     folder().join("apt/archives")
 }
 
-/// Downloads one package.
-fn fetch(package: &str) -> Result<()> {
+/// Downloads packages to an empty folder.
+fn fetch(packages: impl Iterator<Item = String>) -> Result<()> {
     let _ = fs::remove_dir_all(archives());
     fs::create_dir_all(archives())?;
-    process::quietly(apt("apt-get")?.args(["--quiet", "download", package]).current_dir(archives()))
-        .with_context(|| format!("{package} is not to be had"))
+    let mut command = apt("apt-get")?;
+    process::quietly(command.args(["--quiet", "download"]).args(packages).current_dir(archives()))
+        .context("not all packages are to be had")
 }
 
 /// A package with its dependencies, except those with these prefixes and their dependencies.
 fn with_dependencies(package: &str, without: &[&str]) -> Result<BTreeSet<String>> {
-    let mut open = vec![package.to_owned()];
+    let mut open = named(&[package]);
     let mut found = BTreeSet::new();
-    while let Some(package) = open.pop() {
-        if !found.insert(package.clone()) {
-            continue;
-        }
+    while !open.is_empty() {
         let only =
             "--no-recommends --no-suggests --no-conflicts --no-breaks --no-replaces --no-enhances";
         let mut command = apt("apt-cache")?;
-        let listed = process::output(command.arg("depends").args(only.split(' ')).arg(&package))?;
+        let listed = process::output(command.arg("depends").args(only.split(' ')).args(&open))?;
+        found.append(&mut open);
         let names = listed.lines().filter_map(|line| line.trim().strip_prefix("Depends: "));
         let needed = names.filter(|name| !without.iter().any(|start| name.starts_with(start)));
-        open.extend(needed.filter(|name| !name.starts_with('<')).map(str::to_owned));
+        let real = needed.filter(|name| !name.starts_with('<')).map(str::to_owned);
+        open = real.filter(|name| !found.contains(name)).collect();
     }
     Ok(found)
 }

@@ -1,11 +1,12 @@
 //! `cargo xtask test`: every check and every test, those that fail fastest first.
 
 use crate::{
-    book, describe, judge, navigate, package, paths, platforms, process, python, reproduce, supply,
+    book, debian, describe, judge, navigate, package, paths, platforms, process, python, reproduce,
+    supply,
 };
 use anyhow::Result;
 use std::process::Command;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Seeds of the experiment's short run: enough to see a goal clearly missed.
 const SMOKE_SEEDS: u32 = 20;
@@ -14,6 +15,9 @@ const SMOKE_SEEDS: u32 = 20;
 const SMOKE_CELLS: [&str; 5] =
     ["BE3", "outage", "propeller-during-tactical", "smoother", "loop-HELIX"];
 const SMOKE_MISSIONS: u32 = 8;
+
+/// The most time to spend on fetching a browser.
+const PATIENCE: Duration = Duration::from_secs(300);
 
 /// What is done, with its name in the list of times.
 type Step = (&'static str, fn() -> Result<()>);
@@ -75,8 +79,15 @@ fn cargo(arguments: &[&str]) -> Result<()> {
 }
 
 fn pytest(arguments: &[&str]) -> Result<()> {
-    let mut command = Command::new(python::TESTS.interpreter()?);
-    process::run(
-        command.args(["-m", "pytest", "-q", "-rfEs"]).args(arguments).current_dir(paths::root()),
-    )
+    let python = python::TESTS.interpreter()?;
+    let root = paths::root();
+    let mut command = Command::new(&python);
+    let found = process::output(Command::new(python).arg(root.join("tests/python/browser.py")))?;
+    if found.trim().is_empty() {
+        match debian::within(PATIENCE, debian::install_chromium) {
+            Ok(browser) => _ = command.env("CHROMIUM", browser),
+            Err(why) => println!("no browser: {why:#}"),
+        }
+    }
+    process::run(command.args(["-m", "pytest", "-q", "-rfEs"]).args(arguments).current_dir(root))
 }
