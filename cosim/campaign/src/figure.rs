@@ -2,6 +2,8 @@
 
 mod compute;
 mod expression;
+mod formula;
+mod nees;
 
 use self::expression::Expression;
 use super::trajectory::{ALIGNMENTS, Alignment};

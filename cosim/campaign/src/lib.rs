@@ -18,6 +18,7 @@ mod keep;
 mod log;
 mod merge;
 mod report;
+mod rotation;
 mod row;
 mod rows;
 mod score;

@@ -1,10 +1,10 @@
 //! Errors of estimated trajectories, as defined by Sturm et al. 2012.
 
-use nalgebra::{Matrix3, Rotation3, Vector3};
+use crate::rotation::{Rotation, Vector, minus, norm};
 
 /// A trajectory: positions, and headings where they are known.
 pub(super) struct Trajectory {
-    pub(super) positions: Vec<Vector3<f64>>,
+    pub(super) positions: Vec<Vector>,
     /// Rotation about the third axis (rad).
     pub(super) headings: Vec<f64>,
 }
@@ -27,38 +27,34 @@ pub(super) const ALIGNMENTS: [(&str, Alignment); 3] =
 pub(super) fn distances(truth: &Trajectory, estimate: &Trajectory, align: Alignment) -> Vec<f64> {
     let (rotation, shift) = alignment(&truth.positions, &estimate.positions, align);
     let pairs = truth.positions.iter().zip(&estimate.positions);
-    pairs.map(|(t, e)| (t - (rotation * e + shift)).norm()).collect()
+    pairs.map(|(t, e)| norm(minus(minus(*t, rotation.of(*e)), shift))).collect()
 }
 
-/// The rotation and translation that bring `from` closest to `to` in the least-squares sense
-/// (Umeyama 1991, without a scale).
-fn alignment(
-    to: &[Vector3<f64>],
-    from: &[Vector3<f64>],
-    align: Alignment,
-) -> (Rotation3<f64>, Vector3<f64>) {
+/// The rotation and translation that bring `from` closest to `to` in the least-squares sense.
+fn alignment(to: &[Vector], from: &[Vector], align: Alignment) -> (Rotation, Vector) {
     if align == Alignment::None || to.is_empty() {
-        return (Rotation3::identity(), Vector3::zeros());
+        return (Rotation::NONE, [0.0; 3]);
     }
-    let mean = |points: &[Vector3<f64>]| points.iter().sum::<Vector3<f64>>() / points.len() as f64;
-    let (to_mean, from_mean) = (mean(to), mean(from));
-    let pairs = to.iter().zip(from);
-    let covariance: Matrix3<f64> =
-        pairs.map(|(t, f)| (t - to_mean) * (f - from_mean).transpose()).sum();
-    let rotation = if align == Alignment::Se2 {
-        let sine = covariance[(1, 0)] - covariance[(0, 1)];
-        let cosine = covariance[(0, 0)] + covariance[(1, 1)];
-        Rotation3::from_axis_angle(&Vector3::z_axis(), libm::atan2(sine, cosine))
-    } else {
-        let parts = covariance.svd(true, true);
-        let (Some(u), Some(v)) = (parts.u, parts.v_t) else {
-            return (Rotation3::identity(), Vector3::zeros());
-        };
-        let mut flip = Matrix3::identity();
-        flip[(2, 2)] = (u.determinant() * v.determinant()).signum();
-        Rotation3::from_matrix_unchecked(u * flip * v)
+    let mean = |points: &[Vector]| {
+        std::array::from_fn(|axis| {
+            points.iter().map(|point| point[axis]).sum::<f64>() / points.len() as f64
+        })
     };
-    (rotation, to_mean - rotation * from_mean)
+    let (to_mean, from_mean): (Vector, Vector) = (mean(to), mean(from));
+    let mut products = [[0.0; 3]; 3];
+    for (t, f) in to.iter().zip(from) {
+        let (t, f) = (minus(*t, to_mean), minus(*f, from_mean));
+        products.iter_mut().zip(t).for_each(|(row, t)| {
+            row.iter_mut().zip(f).for_each(|(product, f)| *product += t * f);
+        });
+    }
+    let rotation = if align == Alignment::Se2 {
+        let (sine, cosine) = (products[1][0] - products[0][1], products[0][0] + products[1][1]);
+        Rotation::about_third(libm::atan2(sine, cosine))
+    } else {
+        Rotation::closest(products)
+    };
+    (rotation, minus(to_mean, rotation.of(from_mean)))
 }
 
 /// The distance between two instants that are compared.
@@ -78,7 +74,7 @@ pub(super) fn relative(truth: &Trajectory, estimate: &Trajectory, pairs: Pairs) 
         Pairs::Metres(delta) => {
             let (mut ends, mut way) = (vec![0], 0.0);
             for i in 1..count {
-                way += (truth.positions[i] - truth.positions[i - 1]).norm();
+                way += norm(minus(truth.positions[i], truth.positions[i - 1]));
                 if way >= delta {
                     ends.push(i);
                     way = 0.0;
@@ -88,32 +84,31 @@ pub(super) fn relative(truth: &Trajectory, estimate: &Trajectory, pairs: Pairs) 
         }
     };
     let moved = |of: &Trajectory, (i, j): (usize, usize)| {
-        let back = Rotation3::from_axis_angle(&Vector3::z_axis(), -of.headings[i]);
-        back * (of.positions[j] - of.positions[i])
+        Rotation::about_third(-of.headings[i]).of(minus(of.positions[j], of.positions[i]))
     };
-    ids.into_iter().map(|pair| (moved(truth, pair) - moved(estimate, pair)).norm()).collect()
+    ids.into_iter().map(|pair| norm(minus(moved(truth, pair), moved(estimate, pair)))).collect()
 }
 
 /// How far an estimate is from the line along which the truth moves, in the horizontal plane.
 pub(super) fn across(truth: &Trajectory, estimate: &Trajectory) -> Vec<f64> {
-    let mut along = Vector3::zeros();
+    let mut along = [0.0; 2];
     let pairs = truth.positions.iter().zip(&estimate.positions).enumerate();
     let beside = pairs.map(|(row, (t, e))| {
         // The direction of the step that starts here; the previous one while it stands still.
-        let next = truth.positions.get(row + 1).map_or(Vector3::zeros(), |next| next - t);
-        let step = Vector3::new(next.x, next.y, 0.0);
-        if step.norm() > 0.0 {
-            along = step.normalize();
+        let [x, y, _] = truth.positions.get(row + 1).map_or([0.0; 3], |next| minus(*next, *t));
+        let length = norm([x, y, 0.0]);
+        if length > 0.0 {
+            along = [x / length, y / length];
         }
-        let apart = e - t;
-        (along.x * apart.y - along.y * apart.x).abs()
+        let apart = minus(*e, *t);
+        (along[0] * apart[1] - along[1] * apart[0]).abs()
     });
     beside.collect()
 }
 
 /// The length of a path.
 pub(super) fn length(of: &Trajectory) -> f64 {
-    of.positions.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum()
+    of.positions.windows(2).map(|pair| norm(minus(pair[1], pair[0]))).sum()
 }
 
 #[cfg(test)]
@@ -125,13 +120,12 @@ mod tests {
     fn helix(planar: bool) -> (Trajectory, Trajectory) {
         let times: Vec<f64> = (0..40).map(f64::from).collect();
         let height = |z: f64| if planar { 0.0 } else { z };
-        let truth = times
-            .iter()
-            .map(|t| Vector3::new(5.0 * (0.1 * t).cos(), 5.0 * (0.1 * t).sin(), height(0.3 * t)));
+        let truth =
+            times.iter().map(|t| [5.0 * (0.1 * t).cos(), 5.0 * (0.1 * t).sin(), height(0.3 * t)]);
         let truth: Vec<_> = truth.collect();
-        let estimate = times.iter().zip(&truth).map(|(t, p)| {
-            let (x, y) = (1.01 * p.x + 0.2 * t.sin(), p.y + 0.1 * (2.0 * t).cos() + 0.05 * t);
-            Vector3::new(x, y, height(0.98 * p.z + 1.0))
+        let estimate = times.iter().zip(&truth).map(|(t, [x, y, z])| {
+            let (x, y) = (1.01 * x + 0.2 * t.sin(), y + 0.1 * (2.0 * t).cos() + 0.05 * t);
+            [x, y, height(0.98 * z + 1.0)]
         });
         let estimate: Vec<_> = estimate.collect();
         let headings: Vec<f64> = times.iter().map(|t| 0.1 * t).collect();

@@ -1,12 +1,13 @@
 //! The server: one port, one token, a thread for each client.
 
+use std::fs::File;
+use std::io::Read;
 use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Condvar, Mutex};
 use std::time::Duration;
 
-use ring::rand::{SecureRandom, SystemRandom};
 use serde_json::{Value, json};
 
 use super::client::{CLOSE_TIMEOUT, Speaker, serve};
@@ -51,9 +52,9 @@ impl Server {
         let listener = TcpListener::bind(address).map_err(refused)?;
         let address = listener.local_addr().map_err(refused)?;
         let mut random = [0; 16];
-        SystemRandom::new().fill(&mut random).map_err(|_| {
-            Error::new(Code::Usage, "the system provides no random numbers for a token")
-        })?;
+        File::open("/dev/urandom").and_then(|mut source| source.read_exact(&mut random)).map_err(
+            |e| Error::new(Code::Usage, "the system provides no random numbers for a token").why(e),
+        )?;
         let token = random.iter().map(|byte| format!("{byte:02x}")).collect();
         let (sender, requests) = channel();
         let shared = Arc::new(Shared {

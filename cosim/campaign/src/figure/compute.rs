@@ -1,7 +1,6 @@
 //! Computes figures of a recording.
 
-use nalgebra::{DMatrix, DVector, Vector3};
-
+use super::nees::Nees;
 use super::{Figure, Over, Poses, Take, What, Window};
 use crate::trajectory::{self, Alignment, Pairs, Trajectory};
 use cosim_base::error::Result;
@@ -16,7 +15,7 @@ impl Poses {
         from: &Recording,
         rows: &[usize],
     ) -> Result<Trajectory> {
-        let mut positions = vec![Vector3::zeros(); rows.len()];
+        let mut positions = vec![[0.0; 3]; rows.len()];
         for (axis, place) in self.axes.iter().zip(0..3) {
             let column = from.column(&format!("{of}.{axis}"))?;
             rows.iter().zip(&mut positions).for_each(|(row, p)| p[place] = column[*row]);
@@ -116,10 +115,10 @@ impl Figure {
                 beyond as f64 / all as f64
             }
             What::Nees { poses, sigma, covariance, at } => {
-                let of = |row: &usize| nees(poses, sigma, covariance.as_deref(), recording, *row);
+                let mut nees = Nees::new(poses, sigma, covariance.as_deref(), recording)?;
                 match at {
-                    Some(at) => last_until(time, &rows, *at).map_or(Ok(f64::NAN), of)?,
-                    None => mean(&rows.iter().map(of).collect::<Result<Vec<f64>>>()?),
+                    Some(at) => last_until(time, &rows, *at).map_or(f64::NAN, |row| nees.at(*row)),
+                    None => mean(&rows.iter().map(|row| nees.at(*row)).collect::<Vec<_>>()),
                 }
             }
             What::Nis { nis, count, at } => {
@@ -188,37 +187,8 @@ fn extreme(values: &[f64], of: fn(f64, f64) -> f64) -> f64 {
     values.iter().copied().reduce(both).unwrap_or(f64::NAN)
 }
 
-/// Of one sample; NaN without a valid covariance. For axes called `yaw` the smallest rotation
-/// counts.
-fn nees(
-    poses: &Poses,
-    sigma: &str,
-    covariance: Option<&str>,
-    recording: &Recording,
-    row: usize,
-) -> Result<f64> {
-    let value = |name: String| recording.column(&name).map(|column| column[row]);
-    let count = poses.axes.len();
-    let mut errors = DVector::zeros(count);
-    let mut matrix = DMatrix::zeros(count, count);
-    for (place, axis) in poses.axes.iter().enumerate() {
-        let truth = value(format!("{}.{axis}", poses.truth))?;
-        let error = value(format!("{}.{axis}", poses.estimate))? - truth;
-        errors[place] = axis_error(axis, error);
-        let deviation = value(format!("{sigma}.{axis}"))?;
-        matrix[(place, place)] = deviation * deviation;
-        for (other, second) in poses.axes.iter().enumerate().skip(place + 1) {
-            if let Some(covariance) = covariance {
-                let element = value(format!("{covariance}.{axis}_{second}"))?;
-                (matrix[(place, other)], matrix[(other, place)]) = (element, element);
-            }
-        }
-    }
-    Ok(matrix.cholesky().map_or(f64::NAN, |factor| errors.dot(&factor.solve(&errors))))
-}
-
 /// For axes called `yaw` the smallest rotation counts.
-fn axis_error(axis: &str, error: f64) -> f64 {
+pub(super) fn axis_error(axis: &str, error: f64) -> f64 {
     if axis == "yaw" { wrapped(error) } else { error }
 }
 

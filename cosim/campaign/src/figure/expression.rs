@@ -1,17 +1,14 @@
 //! Expressions over recorded variables: `{a.x} - {b.x}`, with variables in braces.
 
-use exmex::{Express, FlatEx};
-
+use super::formula::Formula;
 use cosim_base::error::{Code, Error, Result};
-use cosim_base::{MOST, is_too_deep};
 use cosim_core::observe::Recording;
 
-/// The name of a variable, or a formula with names in braces. It has `+ - * / ^`, parentheses,
-/// numbers, `PI`, and functions such as `abs`, `sqrt`, `sin`, `exp`, `atan2`, `min` and `max`.
+/// The name of a variable, or a [`Formula`] with names in braces.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Expression {
     text: String,
-    /// In the order of the arguments of the formula.
+    /// In the order of the variables of the formula.
     variables: Vec<String>,
 }
 
@@ -19,7 +16,7 @@ impl Expression {
     /// Fails with the reason if the text is not an expression.
     pub(super) fn read(text: &str) -> std::result::Result<Self, String> {
         let variables = match text.contains('{') {
-            true => parsed(text)?.var_names().to_vec(),
+            true => parsed(text)?.variables,
             false => vec![text.to_owned()],
         };
         Ok(Self { text: text.to_owned(), variables })
@@ -42,14 +39,14 @@ impl Expression {
         if !self.text.contains('{') {
             return Ok(columns[0].to_vec());
         }
-        let wrong = |why: String| Error::new(Code::Campaign, "an expression has no value").why(why);
-        let formula = parsed(&self.text).map_err(wrong)?;
-        let mut row = vec![0.0; columns.len()];
+        let formula = parsed(&self.text)
+            .map_err(|why| Error::new(Code::Campaign, "an expression has no value").why(why))?;
+        let (mut row, mut stack) = (vec![0.0; columns.len()], Vec::new());
         let value = |sample: usize| {
             row.iter_mut().zip(&columns).for_each(|(value, column)| *value = column[sample]);
-            formula.eval(&row).map_err(|e| wrong(e.to_string()))
+            formula.value(&row, &mut stack)
         };
-        (0..recording.time().len()).map(value).collect()
+        Ok((0..recording.time().len()).map(value).collect())
     }
 }
 
@@ -59,15 +56,8 @@ impl std::fmt::Display for Expression {
     }
 }
 
-/// The longest formula, in bytes.
-const LONGEST: usize = 10_000;
-
-fn parsed(text: &str) -> std::result::Result<FlatEx<f64>, String> {
-    if text.len() > LONGEST || is_too_deep(text) {
-        let most = MOST;
-        return Err(format!("it has more than {LONGEST} bytes, or {most} levels of brackets"));
-    }
-    exmex::parse(text).map_err(|e| format!("'{text}' is not a valid expression: {e}"))
+fn parsed(text: &str) -> std::result::Result<Formula, String> {
+    Formula::read(text).map_err(|why| format!("'{text}' is not a valid expression: {why}"))
 }
 
 #[cfg(test)]
