@@ -141,7 +141,12 @@ impl FromStr for RowDigest {
         if text.is_empty() {
             return Ok(Self(None));
         }
-        let digit = |digit: u8| (digit as char).to_digit(16).map(|value| value as u8).ok_or(WRONG);
+        let digit = |digit: u8| match digit {
+            b'0'..=b'9' => Ok(digit - b'0'),
+            b'a'..=b'f' => Ok(digit - b'a' + 10),
+            b'A'..=b'F' => Ok(digit - b'A' + 10),
+            _ => Err(WRONG),
+        };
         let digits: &[u8; 64] = text.as_bytes().try_into().map_err(|_| WRONG)?;
         let mut octets = [0; 32];
         for (octet, pair) in octets.iter_mut().zip(digits.chunks_exact(2)) {

@@ -21,7 +21,7 @@ use cosim_results::check_footer;
 use cosim_results::columns::{Holds, Table, Values};
 
 /// Rows of a row group: few, because groups are in memory while they are written.
-const GROUP: usize = 1 << 13;
+const GROUP: usize = 1 << 11;
 
 /// Which inputs are numbers in all rows of a campaign.
 pub(super) struct Numeric {
