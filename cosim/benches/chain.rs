@@ -4,7 +4,7 @@
 //!
 //! `cargo bench -p cosim --bench chain`, `cargo xtask bench --third-party`. Processor time; all are
 //! measured alternately, several times, and medians are shown: a disturbance affects all of them.
-#![allow(unsafe_code, reason = "time of the processor")]
+#![allow(unsafe_code, reason = "time of the processor, settings of the allocator")]
 
 #[path = "../tests/element/mod.rs"]
 mod element;
@@ -37,6 +37,13 @@ const COLUMNS: [(&str, Option<f64>); 7] = [
 ];
 
 fn main() {
+    // Otherwise it depends on what happens to be last in the heap whether the memory of a recording
+    // is new in each repetition, and its pages cost as much as the recording.
+    // SAFETY: nothing else runs, and these only change how memory is returned to the system.
+    unsafe {
+        libc::mallopt(libc::M_TRIM_THRESHOLD, i32::MAX);
+        libc::mallopt(libc::M_MMAP_THRESHOLD, i32::MAX);
+    }
     let bench = Bench::new();
     println!("ns per FMU-step; recorded: with every y kept in memory; CSV: written to a file");
     println!(
