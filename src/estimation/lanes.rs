@@ -10,7 +10,7 @@
 
 use core::ops::{AddAssign, Mul};
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::SMatrix;
 
 use super::belief::{Column, Row, states_in};
 use super::kalman::Sequence;
@@ -28,7 +28,7 @@ macro_rules! for_any_width {
         fn $name:ident<const $size:ident: usize $(, const $n:ident: usize)*>($($arg:ident: $of:ty),* $(,)?) $body:block
     ) => {
         $(#[$doc])*
-        pub(super) fn $name<const $size: usize $(, const $n: usize)*>($($arg: $of),*) {
+        pub(in crate::estimation) fn $name<const $size: usize $(, const $n: usize)*>($($arg: $of),*) {
             #[inline(always)]
             fn narrow<const $size: usize $(, const $n: usize)*>($($arg: $of),*) $body
 
@@ -76,6 +76,10 @@ macro_rules! with_length {
     };
 }
 pub(super) use with_length;
+
+mod hypotheses;
+
+pub(super) use hypotheses::{HYPOTHESES, Heard, Numbers, Vectors, advance, drive, hear};
 
 for_any_width! {
 /// `P <- P - sum_k s_k K_k K_k^T` with gains K and variances s, for a set of states among the first
@@ -339,116 +343,6 @@ fn factorize<const N: usize, const L: usize>(p: &[[f64; N]; N], positive: &mut b
 }
 }
 
-/// How many hypotheses a monitor has; a sum for each of them fits into the registers.
-pub(super) const HYPOTHESES: usize = 64;
-
-/// A vector for each hypothesis: column i contains their components i. Single precision is enough to
-/// distinguish them.
-pub(super) type Vectors<const N: usize> = SMatrix<f32, HYPOTHESES, N>;
-/// A number for each hypothesis.
-pub(super) type Numbers = SVector<f32, HYPOTHESES>;
-
-/// Hypotheses of which the new errors are computed at a time.
-const TOGETHER: usize = 32;
-
-for_any_width! {
-/// `v <- F v` of many vectors v at once.
-fn advance<const N: usize>(vectors: &mut Vectors<N>, f: &Transition<N>) {
-    let v = &mut vectors.data.0;
-    let mut rows = [[[0.0_f32; N]; 3]; GROUPS];
-    for (group, rows) in f.groups().iter().zip(&mut rows) {
-        for r in 0..3 {
-            for k in 0..N {
-                rows[r][k] = group.rows[r][k] as f32;
-            }
-        }
-    }
-    for from in (0..HYPOTHESES).step_by(TOGETHER) {
-        let mut changed = [[[0.0; TOGETHER]; 3]; GROUPS];
-        for (g, group) in f.groups().iter().enumerate() {
-            changed[g] =
-                combine_three::<_, N, HYPOTHESES, TOGETHER>(&rows[g], group.support, v, from);
-        }
-        for (group, changed) in f.groups().iter().zip(&changed) {
-            for (state, changed) in group.states().zip(changed) {
-                v[state][from..from + TOGETHER].copy_from_slice(changed);
-            }
-        }
-    }
-    for (state, factor) in f.scaled() {
-        let factor = factor as f32;
-        v[state].iter_mut().for_each(|x| *x *= factor);
-    }
-}
-}
-
-/// The same numbers for the thrusters of each restart.
-#[inline(always)]
-fn for_each_restart<const T: usize>(thrusters: [f32; T]) -> [f32; HYPOTHESES] {
-    let mut all = [0.0; HYPOTHESES];
-    all.chunks_exact_mut(T).for_each(|restart| restart.copy_from_slice(&thrusters));
-    all
-}
-
-for_any_width! {
-/// `v <- v - B i` of a set of states of many vectors v, with the effects B of the `T` thrusters and the
-/// impulses i that they lose.
-fn drive<const N: usize, const T: usize>(
-    vectors: &mut Vectors<N>,
-    states: u64,
-    effect: &SMatrix<f64, T, N>,
-    impulses: &[f64; T],
-) {
-    for state in states_in(states) {
-        let own = &effect.data.0[state];
-        let changes = for_each_restart::<T>(core::array::from_fn(|i| (own[i] * impulses[i]) as f32));
-        let v = &mut vectors.data.0[state];
-        for i in 0..HYPOTHESES {
-            v[i] -= changes[i];
-        }
-    }
-}
-}
-
-/// A scalar measurement that was fused: its row h, the gain K, the innovation y and its variance S; and
-/// the direct effect on it of the thrust that each thruster loses.
-pub(super) struct Heard<'a, const N: usize, const T: usize> {
-    pub(super) row: &'a Row<N>,
-    pub(super) gain: &'a Column<N>,
-    pub(super) innovation: f64,
-    pub(super) s: f64,
-    pub(super) direct: &'a [f64; T],
-}
-
-for_any_width! {
-/// `r = h^T V + direct`, `C += r y / S`, `J += r^2 / S`, `V -= K r` of many vectors V at once, which
-/// repeat the order of the `T` thrusters.
-fn hear<const N: usize, const T: usize>(
-    vectors: &mut Vectors<N>,
-    c: &mut Numbers,
-    j: &mut Numbers,
-    heard: &Heard<'_, N, T>,
-) {
-    let v = &mut vectors.data.0;
-    let mut response: [f32; HYPOTHESES] = combine(v, heard.row.iter());
-    let direct = for_each_restart(heard.direct.map(|effect| effect as f32));
-    let (by_innovation, by_response) =
-        ((heard.innovation / heard.s) as f32, (1.0 / heard.s) as f32);
-    for i in 0..HYPOTHESES {
-        response[i] += direct[i];
-        c[i] += by_innovation * response[i];
-        j[i] += response[i] * response[i] * by_response;
-    }
-    let states = v.iter_mut().zip(heard.gain.as_slice());
-    for (column, &gain) in states.filter(|(_, gain)| **gain != 0.0) {
-        let gain = gain as f32;
-        for i in 0..HYPOTHESES {
-            column[i] -= gain * response[i];
-        }
-    }
-}
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -504,20 +398,6 @@ mod tests {
             assert_eq!(after, after.transpose(), "{rows} rows");
             assert!((after - want).amax() < 1e-9, "{rows} rows: {}", after - want);
         }
-    }
-
-    #[test]
-    fn hypotheses_advance_by_the_dense_matrix() {
-        let mut f = Transition::<N>::identity();
-        for i in [0, 1, 2, 4, 5, 8] {
-            f.set_row(i, [(i, 0.9), (i + 2, number(i, 3)), (19, number(i, 4))]);
-        }
-        f.scale(17, 0.5);
-        let before = Vectors::<N>::from_fn(|k, i| number(k, i) as f32);
-        let mut after = before;
-        advance(&mut after, &f);
-        let want = before.map(f64::from) * f.dense().transpose();
-        assert!((after.map(f64::from) - want).amax() < 1e-4, "{}", after.map(f64::from) - want);
     }
 
     #[test]

@@ -65,13 +65,14 @@ const LINT: [&str; 6] = ["clippy", "--release", "--workspace", "--all-targets", 
 /// Runs everything; stops at the first step that fails. Prints how long each took.
 pub(crate) fn run() -> Result<()> {
     let mut times = Vec::new();
-    for (name, step) in STEPS {
+    let ended = STEPS.iter().try_for_each(|(name, step)| {
         let begin = Instant::now();
-        step()?;
+        let ended = step();
         times.push(format!("{:6.0} s  {name}", begin.elapsed().as_secs_f64()));
-    }
+        ended
+    });
     println!("{}", times.join("\n"));
-    Ok(())
+    ended
 }
 
 fn cargo(arguments: &[&str]) -> Result<()> {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::folder::{Manifest, TABLE, fits};
 use super::log::{LOG, Log};
-use super::rows::Rows;
+use super::rows::{Kept, Rows};
 use super::{Campaign, Row, table};
 use cosim_base::error::Result;
 
@@ -96,7 +96,7 @@ pub(super) fn rows_alone(path: &Path, figures: usize) -> Result<(Option<Log>, Ro
         }
     };
     let (mut lost, mut noted) = (0, Ok(()));
-    let whole = log.read(|line| match line.row {
+    let whole = log.read(Kept::from, |line| match line.row {
         Ok(row) if noted.is_ok() => noted = rows.push(line.place, &row),
         Ok(_) => (),
         Err(e) => {

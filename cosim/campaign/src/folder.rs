@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 
 use super::log::{LOG, Log};
-use super::rows::Rows;
+use super::rows::{Kept, Rows};
 use super::table::{self, Numeric};
 use super::{Campaign, Row};
 use cosim_base::error::{Code, Error, Result};
@@ -95,11 +95,11 @@ impl Folder {
     pub fn row(path: impl AsRef<Path>, run: u64, identity: &[String]) -> Result<Row> {
         let mut found = None;
         let log = Self::log_of(path.as_ref(), identity)?;
-        let read = log.read(|line| {
-            // A line that is being written is not a row yet.
-            let row = line.row.ok().filter(|row| row.run == run);
-            found = found.take().or(row);
-        });
+        // A line that is being written is not a row yet.
+        let read = log.read(
+            |row| (row.run == run).then_some(row),
+            |line| found = found.take().or(line.row.ok().flatten()),
+        );
         read.map_err(|e| log.unread(e))?;
         found.ok_or_else(|| {
             let what = format!("run {run} is not among the results");
@@ -116,13 +116,18 @@ impl Folder {
 
     fn read_log(&mut self) -> Result<()> {
         let Self { log, rows, numeric, .. } = self;
-        let (mut noted, mut wrong) = (Ok(()), None);
-        let whole = log.read(|line| match line.row {
+        let (mut noted, mut wrong, mut texts) = (Ok(()), None, numeric.clone());
+        let wanted = |row: Row| (numeric.texts(&row), Kept::from(row));
+        let whole = log.read(wanted, |line| match line.row {
             // Nothing after it counts.
             _ if wrong.is_some() || noted.is_err() => (),
-            Ok(row) => noted = note(rows, numeric, line.place, &row),
+            Ok((places, row)) => {
+                texts.note(&places);
+                noted = rows.push(line.place, &row);
+            }
             Err(why) => wrong = Some((line.number, line.place, why)),
         });
+        *numeric = texts;
         self.length = whole.map_err(|e| log.unread(e))?.octets;
         noted?;
         if let Some((line, place, why)) = wrong {
@@ -148,7 +153,8 @@ impl Folder {
     pub fn add(&mut self, row: &Row) -> Result<()> {
         let place = self.length;
         self.length += self.log.add(row)?;
-        note(&mut self.rows, &mut self.numeric, place, row)?;
+        self.numeric.note(&self.numeric.texts(row));
+        self.rows.push(place, &row.clone().into())?;
         if self.synced.elapsed() > SYNC { self.sync() } else { Ok(()) }
     }
 
@@ -195,12 +201,6 @@ impl Folder {
                 Error::new(Code::Output, "the table of runs cannot be written").at(&file).why(e)
             })
     }
-}
-
-/// Notes the row in the line at this place of the log.
-fn note(rows: &mut Rows, numeric: &mut Numeric, place: u64, row: &Row) -> Result<()> {
-    numeric.note(row);
-    rows.push(place, row)
 }
 
 /// What is missing in a folder in which no campaign can be read; `None` if it is another folder.

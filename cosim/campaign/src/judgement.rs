@@ -338,7 +338,7 @@ mod tests {
 
     fn judge(campaign: &Campaign, all: &[Row]) -> Judgement {
         let mut rows = Rows::new(campaign.figures.len(), Path::new("/nowhere"));
-        all.iter().for_each(|row| rows.push(0, row).unwrap());
+        all.iter().for_each(|row| rows.push(0, &row.clone().into()).unwrap());
         Judgement::new(campaign, &rows).unwrap()
     }
 

@@ -26,12 +26,13 @@ pub(super) struct Log {
 }
 
 /// A line that ends, and is not empty.
-pub(super) struct Line {
+pub(super) struct Line<T> {
     /// Counted from 1.
     pub(super) number: usize,
     /// The octet at which it begins.
     pub(super) place: u64,
-    pub(super) row: serde_json::Result<Row>,
+    /// What is wanted of its row.
+    pub(super) row: serde_json::Result<T>,
 }
 
 /// How much of a log has been read: lines that end.
@@ -84,14 +85,19 @@ impl Log {
         })
     }
 
-    /// Passes each whole line to `each`, in order.
-    pub(super) fn read(&self, mut each: impl FnMut(Line)) -> std::io::Result<Whole> {
+    /// Passes each whole line to `each`, in order, with what `wanted` takes from its row. All cores
+    /// take part in this.
+    pub(super) fn read<T: Send>(
+        &self,
+        wanted: impl Fn(Row) -> T + Sync,
+        mut each: impl FnMut(Line<T>),
+    ) -> std::io::Result<Whole> {
         let (mut log, mut block) = (At(&self.file, 0), Vec::new());
         let mut whole = Whole { octets: 0, lines: 0 };
         loop {
             let read = log.by_ref().take(BLOCK).read_to_end(&mut block)?;
             let end = block.iter().rposition(|octet| *octet == b'\n').map_or(0, |last| last + 1);
-            for (octets, row) in parsed(&block[..end]).into_iter().flatten() {
+            for (octets, row) in parsed(&block[..end], &wanted).into_iter().flatten() {
                 whole.lines += 1;
                 if let Some(row) = row {
                     each(Line { number: whole.lines, place: whole.octets, row });
@@ -182,11 +188,12 @@ fn on_cores<T: Send, R: Send>(
     })
 }
 
-/// A line that was parsed: how many octets it has, and its row; none if it is empty.
-type Parsed = (usize, Option<serde_json::Result<Row>>);
+/// A line that was parsed: how many octets it has, and what is wanted of its row; none if it is
+/// empty.
+type Parsed<T> = (usize, Option<serde_json::Result<T>>);
 
 /// These lines in parts, each parsed on another core.
-fn parsed(lines: &[u8]) -> Vec<Vec<Parsed>> {
+fn parsed<T: Send>(lines: &[u8], wanted: &(impl Fn(Row) -> T + Sync)) -> Vec<Vec<Parsed<T>>> {
     let (mut parts, mut rest, share) = (Vec::new(), lines, share(lines.len()));
     while !rest.is_empty() {
         let least = share.min(rest.len()) - 1;
@@ -195,7 +202,7 @@ fn parsed(lines: &[u8]) -> Vec<Vec<Parsed>> {
         parts.push(part);
         rest = after;
     }
-    let one = |line: &[u8]| (line.len(), (line != b"\n").then(|| row(line)));
+    let one = |line: &[u8]| (line.len(), (line != b"\n").then(|| row(line).map(wanted)));
     on_cores(parts, |part| part.split_inclusive(|octet| *octet == b'\n').map(one).collect())
 }
 
@@ -226,7 +233,8 @@ mod tests {
         }
         log.file.write_all(b"\n{\"run\":").unwrap();
         let mut found = Vec::new();
-        let whole = log.read(|line| found.push((line.place, line.row.unwrap()))).unwrap();
+        let whole =
+            log.read(|row| row, |line| found.push((line.place, line.row.unwrap()))).unwrap();
         // The empty line counts, and the one that does not end does not.
         assert_eq!((whole.octets, whole.lines), (end + 1, 51));
         assert!(found.iter().map(|(place, _)| place).eq(&places));

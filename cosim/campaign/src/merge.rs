@@ -29,10 +29,13 @@ impl Folder {
         let mut known = Vec::new();
         for (position, log) in logs.iter().enumerate() {
             // A line that is being written is not a row yet.
-            let read = log.read(|line| {
-                let at = |row: Row| Known { run: row.run, log: position, place: line.place };
-                known.extend(line.row.ok().map(at));
-            });
+            let read = log.read(
+                |row| row.run,
+                |line| {
+                    let at = |run| Known { run, log: position, place: line.place };
+                    known.extend(line.row.ok().map(at));
+                },
+            );
             read.map_err(|e| log.unread(e))?;
         }
         known.sort_by_key(|known| known.run);

@@ -78,11 +78,6 @@ impl Row {
     pub fn agrees(&self, other: &Self) -> bool {
         *self == Self { cpu_ms: self.cpu_ms, ..other.clone() }
     }
-
-    /// A figure by its position; NaN if there is none.
-    pub(super) fn figure(&self, place: usize) -> f64 {
-        self.figures.get(place).map_or(f64::NAN, |number| number.0)
-    }
 }
 
 /// A number that is written as a text which reads back to the same bits. NaN is equal to NaN.

@@ -4,6 +4,7 @@
 use std::path::Path;
 
 use super::columns::Columns;
+use super::row::Number;
 use super::{Campaign, Row, Status};
 use cosim_base::error::{Code, Error, Result};
 
@@ -15,6 +16,19 @@ pub struct Rows {
     figures: Columns,
 }
 
+/// What is kept of a row.
+pub(super) struct Kept {
+    run: u64,
+    status: Status,
+    figures: Box<[Number]>,
+}
+
+impl From<Row> for Kept {
+    fn from(row: Row) -> Self {
+        Self { run: row.run, status: row.status, figures: row.figures }
+    }
+}
+
 impl Rows {
     /// No rows yet, of so many figures; these may be kept in a file in this folder.
     pub(super) fn new(figures: usize, folder: &Path) -> Self {
@@ -23,11 +37,12 @@ impl Rows {
     }
 
     /// Adds a row, whose line begins at this octet of the log.
-    pub(super) fn push(&mut self, place: u64, row: &Row) -> Result<()> {
+    pub(super) fn push(&mut self, place: u64, row: &Kept) -> Result<()> {
         self.runs.push(row.run);
         self.statuses.push(row.status);
         self.places.push(place);
-        let figures = (0..self.figures.width).map(|place| row.figure(place));
+        let figure = |place: usize| row.figures.get(place).map_or(f64::NAN, |number| number.0);
+        let figures = (0..self.figures.width).map(figure);
         self.figures.push(figures).map_err(unkept)
     }
 
@@ -143,7 +158,7 @@ mod tests {
         .into_iter()
         .enumerate()
         {
-            rows.push(place as u64, &Row::without_figures(run, status, "")).unwrap();
+            rows.push(place as u64, &Row::without_figures(run, status, "").into()).unwrap();
         }
         assert_eq!(rows.in_order(9), [4, 1, 0]);
         assert_eq!(rows.places(&rows.in_order(9)), [4, 1, 0]);

@@ -24,6 +24,7 @@ use cosim_results::columns::{Holds, Table, Values};
 const GROUP: usize = 1 << 11;
 
 /// Which inputs are numbers in all rows of a campaign.
+#[derive(Clone)]
 pub(super) struct Numeric {
     runs: u64,
     inputs: Vec<bool>,
@@ -35,11 +36,15 @@ impl Numeric {
         Self { runs: campaign.runs(), inputs: vec![true; campaign.inputs().count()] }
     }
 
-    /// Adds a row.
-    pub(super) fn note(&mut self, row: &Row) {
-        for (place, numeric) in self.inputs.iter_mut().enumerate() {
-            *numeric &= row.run >= self.runs || at(&row.inputs, place).parse::<f64>().is_ok();
-        }
+    /// Which inputs of a row are not numbers; none if its run does not belong to the campaign.
+    pub(super) fn texts(&self, row: &Row) -> Box<[usize]> {
+        let all = (0..self.inputs.len()).filter(|_| row.run < self.runs);
+        all.filter(|place| at(&row.inputs, *place).parse::<f64>().is_err()).collect()
+    }
+
+    /// Adds a row in which these inputs are not numbers.
+    pub(super) fn note(&mut self, texts: &[usize]) {
+        texts.iter().for_each(|place| self.inputs[*place] = false);
     }
 }
 

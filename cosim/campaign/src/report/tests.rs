@@ -9,7 +9,7 @@ fn rows(figures: &[f64]) -> Rows {
     for (run, figure) in figures.iter().enumerate() {
         let mut row = Row::without_figures(run as u64, Status::Ok, "");
         row.figures = [Number(*figure)].into();
-        rows.push(0, &row).unwrap();
+        rows.push(0, &row.into()).unwrap();
     }
     rows
 }
