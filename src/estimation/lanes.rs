@@ -10,8 +10,6 @@
 
 use core::ops::{AddAssign, Mul};
 
-use nalgebra::SMatrix;
-
 use super::belief::{Column, Row, states_in};
 use super::kalman::Sequence;
 use super::transition::{GROUPS, Group, Transition};
@@ -346,6 +344,7 @@ fn factorize<const N: usize, const L: usize>(p: &[[f64; N]; N], positive: &mut b
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::SMatrix;
 
     const N: usize = 20;
 
