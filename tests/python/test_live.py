@@ -1,6 +1,6 @@
 """`--live`: a run is watched and controlled from Chromium, and through Foxglove's protocol.
 
-A browser is needed (Debian: `apt-get install chromium`); without one these tests are skipped.
+A browser is needed (`cargo xtask test` unpacks Debian's); without one these tests are skipped.
 """
 
 import base64

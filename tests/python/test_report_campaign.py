@@ -1,12 +1,11 @@
 """Reports of campaigns as users use them: Chromium opens them from disk, clicks, and reads.
 
-A browser is needed (Debian: `apt-get install chromium`); without one these tests are skipped.
+A browser is needed (`cargo xtask test` unpacks Debian's); without one these tests are skipped.
 """
 
 import json
 import re
 import shutil
-import subprocess
 import time
 
 import pandas
@@ -15,6 +14,7 @@ from axe_playwright_python.sync_playwright import Axe
 from browser import browser, draw_all, needs_chromium
 from conftest import FMUS, ROOT
 from playwright.sync_api import expect
+from pypdf import PdfReader
 from reports import CAMPAIGN, HEAD_OF_RUN, LOST, cosim, data, folder, open_cell, open_run, page, report
 
 pytestmark = needs_chromium
@@ -260,7 +260,7 @@ def test_a_campaign_without_figures_leads_to_its_runs(page, tmp_path):
 def test_it_is_printed_with_everything_for_an_audit(page, report, tmp_path):
     page.goto(report.as_uri())
     page.pdf(path=tmp_path / "page.pdf")
-    text = subprocess.run(["pdftotext", "-layout", tmp_path / "page.pdf", "-"], capture_output=True, text=True, check=True).stdout
+    text = "\n".join(sheet.extract_text() for sheet in PdfReader(tmp_path / "page.pdf").pages)
     for part in ["Is the dynamic filter good enough", "fail", "Thresholds of all cells", "Sensitivity", "Clopper", "system paper is"]:
         assert part in text, part
     assert re.search(r"\b[0-9a-f]{64}\b", text)
