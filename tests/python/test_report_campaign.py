@@ -7,6 +7,7 @@ import json
 import re
 import shutil
 import time
+import unicodedata
 
 import pandas
 import pytest
@@ -261,6 +262,8 @@ def test_it_is_printed_with_everything_for_an_audit(page, report, tmp_path):
     page.goto(report.as_uri())
     page.pdf(path=tmp_path / "page.pdf")
     text = "\n".join(sheet.extract_text() for sheet in PdfReader(tmp_path / "page.pdf").pages)
+    # Fonts have ligatures.
+    text = unicodedata.normalize("NFKC", text)
     for part in ["Is the dynamic filter good enough", "fail", "Thresholds of all cells", "Sensitivity", "Clopper", "system paper is"]:
         assert part in text, part
     assert re.search(r"\b[0-9a-f]{64}\b", text)
