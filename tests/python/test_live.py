@@ -130,7 +130,11 @@ def test_a_run_is_watched_steered_and_repeated(browser, tmp_path, workers):
 
 def listening(pid):
     """The addresses at which a process listens, from /proc/net/tcp."""
-    links = [os.readlink(file) for file in Path(f"/proc/{pid}/fd").iterdir()]
+    links = []
+    for file in Path(f"/proc/{pid}/fd").iterdir():
+        # It may be closed meanwhile.
+        with contextlib.suppress(FileNotFoundError):
+            links.append(os.readlink(file))
     sockets = {found[1] for link in links if (found := re.fullmatch(r"socket:\[(\d+)\]", link))}
     lines = [line.split() for table in ["tcp", "tcp6"] for line in Path(f"/proc/net/{table}").read_text().splitlines()[1:]]
     return [line[1].split(":")[0] for line in lines if line[3] == "0A" and line[9] in sockets]
