@@ -11,7 +11,7 @@ use super::group_handle::GroupHandle;
 use super::layout::Layout;
 use super::options::Options;
 use super::setup::Setup;
-use super::wire::{Body, Kind, LAST, OPENING, RECORD, put_values};
+use super::wire::{Body, Kind, LAST, Malformed, OPENING, RECORD, put_values};
 use cosim_base::error::{Code, Error, Result};
 use cosim_base::time::Time;
 use cosim_core::master::{
@@ -96,13 +96,29 @@ impl<'a> Coordinator<'a> {
             let message = self.command(group, kind, 0);
             self.dispatcher.send(group, message)?;
         }
-        for (group, answer) in self.dispatcher.answers()? {
-            let mut body = Body::after_header(&answer);
-            let own = &self.layout.groups[group].own;
-            read(&mut body, &self.plan, self.plan.outputs(own), &mut self.values)?;
-            body.end().map_err(misread)?;
+        self.read_answers(|this, group, mut body| {
+            let own = &this.layout.groups[group].own;
+            read(&mut body, &this.plan, this.plan.outputs(own), &mut this.values)?;
+            body.end()
+        })
+    }
+
+    /// Reads the answer of every group that was sent a command.
+    fn read_answers(
+        &mut self,
+        mut read: impl FnMut(&mut Self, usize, Body<'_>) -> Result<(), Malformed>,
+    ) -> Result<()> {
+        loop {
+            let answers = self.dispatcher.answers()?;
+            if answers.is_empty() {
+                return Ok(());
+            }
+            for (group, answer) in answers {
+                if let Err(why) = read(self, group, Body::after_header(&answer)) {
+                    self.dispatcher.refuse(group, &why);
+                }
+            }
         }
-        Ok(())
     }
 
     /// One stretch of the sequence in initialization mode.
@@ -112,13 +128,11 @@ impl<'a> Coordinator<'a> {
         let part = &self.layout.groups[group].stretches[number];
         put_values(&mut message, part.reads.iter().copied(), &self.plan.value_texts, &self.values);
         self.dispatcher.send(group, message)?;
-        for (group, answer) in self.dispatcher.answers()? {
-            let mut body = Body::after_header(&answer);
-            let members = &self.layout.groups[group].stretches[number].members;
-            read(&mut body, &self.plan, self.plan.outputs(members), &mut self.values)?;
-            body.end().map_err(misread)?;
-        }
-        Ok(())
+        self.read_answers(|this, group, mut body| {
+            let members = &this.layout.groups[group].stretches[number].members;
+            read(&mut body, &this.plan, this.plan.outputs(members), &mut this.values)?;
+            body.end()
+        })
     }
 
     /// As in an ordinary run (`Engine::settle`), one stretch after another.
@@ -162,15 +176,14 @@ impl<'a> Coordinator<'a> {
                     self.send_step(group, level, if last { flags } else { flags & !RECORD })?;
                 }
             }
-            for (group, answer) in self.dispatcher.answers()? {
-                let due: Vec<usize> = self.due(group, level).collect();
-                let mut body = Body::after_header(&answer);
-                read(&mut body, &self.plan, self.plan.outputs(&due), &mut self.values)?;
-                if self.dispatcher.groups[group].recorded {
-                    self.read_recorded(group, &mut body)?;
+            self.read_answers(|this, group, mut body| {
+                let due: Vec<usize> = this.due(group, level).collect();
+                read(&mut body, &this.plan, this.plan.outputs(&due), &mut this.values)?;
+                if this.dispatcher.groups[group].recorded {
+                    this.read_recorded(group, &mut body)?;
                 }
-                body.end().map_err(misread)?;
-            }
+                body.end()
+            })?;
         }
         for (node, end) in self.plan.nodes.iter().zip(&mut self.ends) {
             if *end == now {
@@ -205,7 +218,7 @@ impl<'a> Coordinator<'a> {
         self.dispatcher.send(group, message)
     }
 
-    fn read_recorded(&mut self, group: usize, body: &mut Body<'_>) -> Result<()> {
+    fn read_recorded(&mut self, group: usize, body: &mut Body<'_>) -> Result<(), Malformed> {
         let own = &self.layout.groups[group].own;
         read(body, &self.plan, self.plan.recorded(own), &mut self.values)
     }
@@ -234,12 +247,13 @@ impl<'a> Coordinator<'a> {
             self.dispatcher.send(group, message)?;
         }
         let mut states = Vec::with_capacity(groups.len());
-        for (group, answer) in self.dispatcher.answers()? {
-            let mut body = Body::after_header(&answer);
-            let blob = body.blob().map_err(misread)?;
-            let state = postcard::from_bytes(blob).map_err(|why| unusable().why(why))?;
+        self.read_answers(|_, group, mut body| {
+            let blob = body.blob()?;
+            let state = postcard::from_bytes(blob).map_err(|e| Malformed::Body(e.to_string()))?;
+            body.end()?;
             states.push((group, state));
-        }
+            Ok(())
+        })?;
         Ok(states)
     }
 }
@@ -279,11 +293,10 @@ impl Drive for Coordinator<'_> {
                 self.dispatcher.send(group, message)?;
             }
         }
-        for (group, answer) in self.dispatcher.answers()? {
-            let mut body = Body::after_header(&answer);
-            self.read_recorded(group, &mut body)?;
-            body.end().map_err(misread)?;
-        }
+        self.read_answers(|this, group, mut body| {
+            this.read_recorded(group, &mut body)?;
+            body.end()
+        })?;
         self.plan.row(&self.values, row);
         Ok(())
     }
@@ -299,7 +312,7 @@ impl Drive for Coordinator<'_> {
         let body = postcard::to_stdvec(&(position, change));
         message.extend(body.map_err(|why| unusable().why(why))?);
         self.dispatcher.send(group, message)?;
-        self.dispatcher.answers().map(drop)
+        self.read_answers(|_, _, body| body.end())
     }
 
     fn save(&mut self, _now: Time) -> Result<EngineState> {
@@ -360,12 +373,12 @@ impl Drive for Coordinator<'_> {
             components: vec![Default::default(); self.plan.nodes.len()],
             efforts: vec![Default::default(); self.plan.loops.len()],
             warnings: self.warnings.clone(),
-            notes: self.dispatcher.notes.clone(),
+            notes: Vec::new(),
         };
-        for (group, answer) in self.dispatcher.answers()? {
-            let report: Report = Body::after_header(&answer).structure().map_err(misread)?;
-            let own = &self.layout.groups[group].own;
-            let loops = self.plan.loops.iter().enumerate();
+        self.read_answers(|this, group, body| {
+            let report: Report = body.structure()?;
+            let own = &this.layout.groups[group].own;
+            let loops = this.plan.loops.iter().enumerate();
             let loops = loops.filter(|(_, found)| found.members.iter().all(|m| own.contains(m)));
             for ((position, _), effort) in loops.zip(report.efforts) {
                 whole.efforts[position] = effort;
@@ -375,7 +388,9 @@ impl Drive for Coordinator<'_> {
             }
             whole.warnings.extend(report.warnings);
             whole.notes.extend(report.notes);
-        }
+            Ok(())
+        })?;
+        whole.notes.splice(0..0, self.dispatcher.notes.iter().cloned());
         Ok(whole)
     }
 }
@@ -398,12 +413,8 @@ fn read(
     plan: &Plan,
     slots: impl IntoIterator<Item = usize>,
     values: &mut [Scalar],
-) -> Result<()> {
-    body.values(slots, &plan.value_texts, values).map_err(misread)
-}
-
-fn misread(why: super::wire::Malformed) -> Error {
-    Error::new(Code::Protocol, "an answer cannot be understood").why(why)
+) -> Result<(), Malformed> {
+    body.values(slots, &plan.value_texts, values)
 }
 
 fn unusable() -> Error {

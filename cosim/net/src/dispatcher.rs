@@ -1,15 +1,19 @@
 //! Sends commands, awaits answers and recovers lost groups in one event loop.
 
+use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
 use super::fabric::{Event, Fabric};
 use super::failure::Failure;
 use super::group_handle::{Awaited, GroupHandle, SentCommand, digest};
 use super::options::{OnFatal, Options};
-use super::wire::{Header, Kind};
+use super::wire::{Header, Kind, Malformed};
 use cosim_base::error::{Code, Error, Result};
 use cosim_base::time::Time;
 use cosim_import::status::FATAL;
+
+/// The most spare answers that are kept.
+const SPARES: usize = 64;
 
 /// The groups of a run, whatever they compute.
 pub(super) struct Dispatcher<'a> {
@@ -18,6 +22,8 @@ pub(super) struct Dispatcher<'a> {
     names: Vec<String>,
     pub fabric: Box<dyn Fabric + 'a>,
     pub options: Options,
+    /// Answers that came after others which are not read yet, by group.
+    spares: VecDeque<(usize, Vec<u8>)>,
     /// What was lost, and how the run continued.
     pub notes: Vec<String>,
     /// The instant that is being computed or was computed last.
@@ -33,7 +39,8 @@ impl<'a> Dispatcher<'a> {
         now: Time,
     ) -> Self {
         let (names, groups) = groups.into_iter().unzip();
-        Self { groups, names, fabric, options, notes: Vec::new(), now }
+        let (spares, notes) = (VecDeque::new(), Vec::new());
+        Self { groups, names, fabric, options, spares, notes, now }
     }
 
     /// Starts the first incarnation of every group.
@@ -47,40 +54,84 @@ impl<'a> Dispatcher<'a> {
     /// Sends a command and logs it. All commands before it have been answered.
     pub(super) fn send(&mut self, group: usize, message: Vec<u8>) -> Result<()> {
         self.fabric.send(group, self.groups[group].generation, &message)?;
+        self.spares.clear();
         let handle = &mut self.groups[group];
         handle.log.push(SentCommand { message, answer: None });
         handle.wait_for(Awaited::Last);
         Ok(())
     }
 
-    /// Waits until every group has done its command, and returns their answers by group.
+    /// Waits until every group has done its command, and returns their answers by group. One that
+    /// cannot be understood is given to [`Self::refuse`], and the next call waits for another.
     pub(super) fn answers(&mut self) -> Result<Vec<(usize, Vec<u8>)>> {
         let mut answers: Vec<(usize, Vec<u8>)> = Vec::new();
         while let Some((group, patience)) = self.most_overdue() {
-            match self.fabric.next(self.awaited(), patience) {
+            let event = match self.spare() {
+                None => self.fabric.next(self.awaited(), patience),
+                spare => spare,
+            };
+            match event {
                 Some(Event::Ready { group, generation }) => self.ready(group, generation)?,
-                Some(Event::Answer { group, bytes, .. }) if self.is_awaited(group, &bytes) => {
-                    if self.take_answer(group, &bytes)? {
-                        answers.push((group, bytes));
+                Some(Event::Answer { group, bytes, .. }) => match self.answered(group, &bytes) {
+                    Some(command) if self.groups[group].awaited_sequence() == Some(command) => {
+                        if self.take_answer(group, &bytes)? {
+                            answers.push((group, bytes));
+                        }
                     }
-                }
-                // From an abandoned incarnation, or a duplicate.
-                Some(Event::Answer { .. }) => {}
+                    Some(command) if self.groups[group].sequence == command => {
+                        if self.spares.len() < SPARES {
+                            self.spares.push_back((group, bytes));
+                        }
+                    }
+                    // From an abandoned incarnation, or a duplicate.
+                    _ => {}
+                },
                 Some(Event::Lost { group, generation, why }) => {
                     if self.is_current(group, generation) && !self.groups[group].is_finished() {
                         self.lose(group, &why, false)?;
                     }
                 }
-                None => {
-                    let handle = &self.groups[group];
-                    let (awaited, silent) = (handle.awaits(), handle.silent().as_secs_f64());
-                    self.lose(group, &format!("no answer to {awaited} for {silent:.1} s"), false)?;
-                }
+                None => self.time_out(group)?,
             }
         }
         // By group, not by arrival: the caller reads them in the same order in every run.
         answers.sort_by_key(|(group, _)| *group);
         Ok(answers)
+    }
+
+    /// The group's answer cannot be understood, so it is not from the host, which may still answer.
+    pub(super) fn refuse(&mut self, group: usize, why: &Malformed) {
+        let handle = &mut self.groups[group];
+        handle.awaited = Some(Awaited::Last);
+        if let Some(sent) = handle.log.last_mut() {
+            sent.answer = None;
+        }
+        self.doubt(group, Error::new(Code::Protocol, "an answer cannot be understood").why(why));
+    }
+
+    /// Ignores an answer that the host cannot have given, unless it gives no other in time.
+    fn doubt(&mut self, group: usize, error: Error) {
+        let handle = &mut self.groups[group];
+        if handle.doubt.is_none() {
+            let why = error.reason().unwrap_or_default();
+            let ignored = format!("ignored at t = {}: {}: {why}", self.now, error.what());
+            (self.options.report)(&format!("{}: {ignored}", self.names[group]));
+            handle.doubt = Some(error);
+        }
+    }
+
+    fn time_out(&mut self, group: usize) -> Result<()> {
+        let handle = &mut self.groups[group];
+        let (awaited, silent) = (handle.awaits(), handle.silent().as_secs_f64());
+        let why = format!("no answer to {awaited} for {silent:.1} s");
+        match handle.doubt.take() {
+            None => self.lose(group, &why, false),
+            Some(error) if error.code() == Code::Differs => Err(error),
+            Some(error) => {
+                let doubt = error.reason().unwrap_or_default();
+                self.lose(group, &format!("{why}; {}: {doubt}", error.what()), false)
+            }
+        }
     }
 
     /// The group whose timeout ends first, and how much time is left.
@@ -103,16 +154,21 @@ impl<'a> Dispatcher<'a> {
         self.groups.get(group).is_some_and(|handle| handle.generation == generation)
     }
 
-    fn is_awaited(&self, group: usize, bytes: &[u8]) -> bool {
-        match (self.groups.get(group), Header::read(bytes)) {
-            (Some(handle), Ok((header, _))) => {
-                matches!(header.kind, Kind::Done | Kind::Failed)
-                    && header.generation == handle.generation
-                    && Some(header.sequence) == handle.awaited_sequence()
-                    && header.tables == handle.tables
-            }
-            _ => false,
-        }
+    /// The number of the command that a message answers.
+    fn answered(&self, group: usize, bytes: &[u8]) -> Option<u64> {
+        let (handle, (header, _)) = (self.groups.get(group)?, Header::read(bytes).ok()?);
+        let matches = matches!(header.kind, Kind::Done | Kind::Failed)
+            && header.generation == handle.generation
+            && header.tables == handle.tables;
+        matches.then_some(header.sequence)
+    }
+
+    /// The next spare answer of a group whose answer was refused.
+    fn spare(&mut self) -> Option<Event> {
+        let wanted = |(group, _): &(usize, Vec<u8>)| self.groups[*group].awaited.is_some();
+        let place = self.spares.iter().position(wanted)?;
+        let (group, bytes) = self.spares.remove(place)?;
+        Some(Event::Answer { group, bytes, at: Instant::now() })
     }
 
     /// An incarnation is ready: it gets its set-up.
@@ -127,23 +183,34 @@ impl<'a> Dispatcher<'a> {
 
     /// Takes the expected answer; whether it answers the last command.
     fn take_answer(&mut self, group: usize, bytes: &[u8]) -> Result<bool> {
-        if let Err(error) = self.judge(group, bytes) {
-            if error.status() != Some(FATAL) || self.options.on_fatal == OnFatal::End {
-                return Err(error);
+        match self.failure(group, bytes) {
+            Ok(None) => {}
+            Ok(Some(error)) => {
+                let fatal = error.status() == Some(FATAL);
+                let fatal = fatal && self.options.on_fatal == OnFatal::Resume;
+                // A host that was sent something else than our commands starts over, too.
+                if !fatal && error.code() != Code::Protocol {
+                    return Err(error);
+                }
+                let why = error.reason().unwrap_or_default();
+                self.lose(group, &format!("{}: {why}", error.what()), fatal)?;
+                return Ok(false);
             }
-            let why = error.reason().unwrap_or_default();
-            self.lose(group, &format!("{}: {why}", error.what()), true)?;
-            return Ok(false);
+            Err(why) => {
+                self.doubt(group, Error::new(Code::Protocol, "a failure cannot be read").why(why));
+                return Ok(false);
+            }
         }
         let handle = &mut self.groups[group];
         handle.answered();
         let next = match handle.awaited {
             Some(Awaited::SetUp) => 0,
             Some(Awaited::Again(number)) => {
-                let sent = &mut handle.log[number];
                 let digest = digest(bytes);
-                if sent.answer.is_some_and(|before| before != digest) {
-                    return Err(self.differs(group, number));
+                if handle.log[number].answer.is_some_and(|before| before != digest) {
+                    let differs = self.differs(group, number);
+                    self.doubt(group, differs);
+                    return Ok(false);
                 }
                 number + 1
             }
@@ -190,17 +257,14 @@ impl<'a> Dispatcher<'a> {
         }
     }
 
-    /// Turns a failed answer into the error that it carries.
-    fn judge(&self, group: usize, answer: &[u8]) -> Result<()> {
-        match Header::read(answer) {
-            Ok((Header { kind: Kind::Failed, .. }, body)) => {
-                let place = self.fabric.place(group);
-                Err(match body.structure::<Failure>() {
-                    Ok(failure) => failure.into_error(&place),
-                    Err(why) => Error::new(Code::Protocol, "a failure cannot be read").why(why),
-                })
+    /// The error that an answer carries.
+    fn failure(&self, group: usize, answer: &[u8]) -> Result<Option<Error>, Malformed> {
+        match Header::read(answer)? {
+            (Header { kind: Kind::Failed, .. }, body) => {
+                let failure: Failure = body.structure()?;
+                Ok(Some(failure.into_error(&self.fabric.place(group))))
             }
-            _ => Ok(()),
+            _ => Ok(None),
         }
     }
 

@@ -7,6 +7,7 @@ use sha2::{Digest, Sha256};
 
 use super::options::Options;
 use super::wire::{APART, Header, Kind};
+use cosim_base::error::Error;
 use cosim_base::time::Time;
 use cosim_import::calls::Ask;
 
@@ -28,6 +29,8 @@ pub(super) struct GroupHandle {
     /// What the coordinator is waiting for.
     pub awaited: Option<Awaited>,
     since: Instant,
+    /// Why the first answer to it was ignored, if one was.
+    pub doubt: Option<Error>,
     /// Values that are held from the end of the last instant, until they are sent.
     pub opening: Option<Vec<u8>>,
     /// Its recorded values are those of the current instant.
@@ -75,6 +78,7 @@ impl GroupHandle {
             log: Vec::new(),
             awaited: None,
             since: Instant::now(),
+            doubt: None,
             opening: None,
             recorded: false,
             recoveries: 0,
@@ -161,6 +165,7 @@ impl GroupHandle {
     pub(super) fn wait_for(&mut self, awaited: Awaited) {
         self.awaited = Some(awaited);
         self.since = Instant::now();
+        self.doubt = None;
     }
 
     /// It has done its last command, and its process may end.

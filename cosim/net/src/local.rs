@@ -51,6 +51,9 @@ pub(super) enum Fault {
     Foreign,
     /// The first octets of the command, and of its answer, come before the complete message.
     Torn,
+    /// Answers that cannot be understood come first: shorter and longer than the true one, and a
+    /// failure without text.
+    Misread,
     /// The end of the answer is missing.
     CutAnswer,
     /// The end of the command is missing.
@@ -112,6 +115,15 @@ impl Local {
             // The positions of the fields of a header: `Header::message`.
             Some(Fault::Early) => vec![with(8)],
             Some(Fault::Torn) => vec![(group, answer[..HEADER / 2].to_vec())],
+            Some(Fault::Misread) => {
+                let mut failed = answer[..HEADER].to_vec();
+                failed[2] = super::wire::Kind::Failed as u8;
+                vec![
+                    (group, answer[..answer.len() - 1].to_vec()),
+                    (group, [answer, &[0]].concat()),
+                    (group, failed),
+                ]
+            }
             Some(Fault::Foreign) => vec![
                 (group, Vec::new()),
                 (group, b"GET / HTTP/1.1\r\n\r\n this is not of cosim".to_vec()),

@@ -113,12 +113,11 @@ impl Remote {
             asks.push(Ask::Save);
         }
         let begun = Instant::now();
-        let answer = self.send(&asks).map_err(|error| {
+        let (mut outcome, messages) = self.send(&asks).map_err(|error| {
             let error = self.explained(error, begun);
             self.lost = Some(error.what().to_owned());
             error
         })?;
-        let (mut outcome, messages) = single::read(&answer)?;
         self.note(&asks, outcome.given.len())?;
         if let Some(Given::State(state)) = outcome.given.get(count) {
             self.setup.state = Some(state.clone());
@@ -143,19 +142,23 @@ impl Remote {
         super::run::close(self.session);
     }
 
-    fn send(&mut self, asks: &[Ask]) -> Result<Vec<u8>> {
+    fn send(&mut self, asks: &[Ask]) -> Result<(Outcome, Vec<Message>)> {
         if let Some(Ask::Step(t, _)) = Ask::main(asks) {
             self.dispatcher.now = Time::try_from_seconds(*t).unwrap_or(self.dispatcher.now);
         }
         let mut message = self.dispatcher.groups[0].command(Kind::Calls, 0, self.dispatcher.now);
         message.extend(bytes(&asks)?);
         self.dispatcher.send(0, message)?;
-        let answers = self.dispatcher.answers()?;
-        answers
-            .into_iter()
-            .next()
-            .map(|(_, answer)| answer)
-            .ok_or_else(|| Error::new(Code::Protocol, "there is no answer"))
+        loop {
+            let answers = self.dispatcher.answers()?;
+            let [(_, answer)] = &answers[..] else {
+                return Err(Error::new(Code::Protocol, "there is no answer"));
+            };
+            match single::read(answer) {
+                Ok(read) => return Ok(read),
+                Err(why) => self.dispatcher.refuse(0, &why),
+            }
+        }
     }
 
     /// Whether the state is to be saved with these calls.

@@ -7,7 +7,7 @@ use sha2::{Digest, Sha256};
 
 use super::check::check_file;
 use super::setup::{FmuFile, FmuSource};
-use super::wire::{Body, put_blob};
+use super::wire::{Body, Malformed, put_blob};
 use cosim_base::error::{Code, Error, Result};
 use cosim_import::calls::{Ask, Outcome, Trouble};
 use cosim_import::{Instance, Logging, Mailbox, guard};
@@ -99,12 +99,11 @@ fn trouble(error: &Error) -> Trouble {
 }
 
 /// Reads an answer: outcome and messages.
-pub(super) fn read(answer: &[u8]) -> Result<(Outcome, Vec<cosim_import::Message>)> {
-    let unread = || Error::new(Code::Protocol, "the outcome of calls cannot be understood");
+pub(super) fn read(answer: &[u8]) -> Result<(Outcome, Vec<cosim_import::Message>), Malformed> {
     let mut body = Body::after_header(answer);
-    let outcome = body.blob().map_err(|why| unread().why(why))?;
-    let outcome = postcard::from_bytes(outcome).map_err(|why| unread().why(why))?;
-    Ok((outcome, body.structure().map_err(|why| unread().why(why))?))
+    let outcome = postcard::from_bytes(body.blob()?);
+    let outcome = outcome.map_err(|e| Malformed::Body(e.to_string()))?;
+    Ok((outcome, body.structure()?))
 }
 
 pub(super) fn bytes<T: Serialize>(value: &T) -> Result<Vec<u8>> {

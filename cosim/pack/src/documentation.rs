@@ -29,7 +29,7 @@ pub(super) fn entries(
     libraries: &[Library],
 ) -> Result<Vec<Entry>> {
     let roots = described.roots()?;
-    let page = page(described, guid, &roots).html()?;
+    let page = page(described, guid, &roots).html();
     let mut entries = vec![
         ("model.png".to_owned(), Content::bytes(ICON)),
         ("documentation/index.html".to_owned(), Content::bytes(page)),

@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use minijinja::context;
+use maud::{PreEscaped, html};
 use serde::Serialize;
 
-use super::page::{self, Section};
+use super::page::{Section, whole};
 use super::run::Trace;
 use cosim_core::{Code, Error, Result};
 
@@ -76,23 +76,39 @@ const LIVE: [&str; 5] = [
 ];
 
 /// The page that shows a live run.
-pub fn live_page() -> Result<String> {
-    html("cosim live", "{}", &LIVE, Some("'self' ws: wss:"))
+pub fn live_page() -> String {
+    page("cosim live", "{}", &LIVE, "; connect-src 'self' ws: wss:")
 }
 
-/// A page with data and a script, which can only connect to `connect`.
-fn html(title: &str, data: &str, modules: &[&str], connect: Option<&str>) -> Result<String> {
-    page::render(context! {
-        page => context! { title => title },
-        data => data,
-        connect => connect,
-        library => include_str!("page/uplot/uPlot.iife.min.js"),
-        library_style => include_str!("page/uplot/uPlot.min.css"),
-        library_licence => include_str!("page/uplot/LICENSE"),
-        script => script(modules),
-        script_style => include_str!("page/report.css"),
-    })
-    .map_err(|e| Error::new(Code::Report, format!("cannot write the page '{title}'")).why(e))
+/// A page with data and a script, which loads nothing but what `policy` adds.
+fn page(title: &str, data: &str, modules: &[&str], policy: &str) -> String {
+    let policy = format!(
+        "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; \
+         img-src data:{policy}"
+    );
+    let head = html! {
+        meta http-equiv="Content-Security-Policy" content=(policy);
+        style {
+            (PreEscaped(include_str!("page/uplot/uPlot.min.css")))
+            (PreEscaped(include_str!("page/report.css")))
+        }
+    };
+    let licence = include_str!("page/uplot/LICENSE");
+    let body = html! {
+        header id="top" {}
+        main id="view" tabindex="-1" {
+            h1 { (title) }
+            noscript {
+                p { "This report needs JavaScript: it loads nothing, everything is in this file." }
+            }
+        }
+        footer id="end" {}
+        script type="application/json" id="data" { (PreEscaped(data)) }
+        (PreEscaped(format!("<!-- uPlot\n{licence}\n-->")))
+        script { (PreEscaped(include_str!("page/uplot/uPlot.iife.min.js"))) }
+        script type="module" { (PreEscaped(script(modules))) }
+    };
+    whole(title, &head, &body)
 }
 
 impl<C: Serialize> Document<C> {
@@ -102,7 +118,7 @@ impl<C: Serialize> Document<C> {
             Error::new(Code::Report, format!("cannot write the page '{}'", self.title)).why(e)
         })?;
         // Only `<` could end a script element.
-        html(&self.title, &data.replace('<', "\\u003c"), &REPORT, None)
+        Ok(page(&self.title, &data.replace('<', "\\u003c"), &REPORT, ""))
     }
 }
 
@@ -171,7 +187,7 @@ mod tests {
         };
         let html = document.html().unwrap();
         assert!(!html.contains("<script>alert") && !html.contains("<img"), "{html}");
-        assert!(html.contains("&lt;&#x2f;script&gt;&lt;script&gt;alert(1)"));
+        assert!(html.contains("&lt;/script&gt;&lt;script&gt;alert(1)"));
         for outside in ["src=\"", "@import", "url(", "fetch("] {
             assert!(!html.contains(outside), "{outside}");
         }

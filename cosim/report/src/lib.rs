@@ -10,7 +10,7 @@
 //! | colours and line styles of figures | `style` |
 //! | positions of panels and legends | `layout` |
 //! | how a series is drawn | `draw` |
-//! | the style of pages | `page/page.html`, `page/base.css`, `page/report.css` |
+//! | the style of pages | `page/base.css`, `page/report.css` |
 //! | the behaviour of a report | `page/js` |
 //! | the content of a run's report | `run` |
 //! | the content of a campaign's report | `cosim_campaign::report` |

@@ -1,15 +1,13 @@
 //! A static report page: one self-contained HTML file, for screen and print.
 
-use minijinja::syntax::SyntaxConfig;
-use minijinja::value::{Serde, Value};
-use minijinja::{Environment, context};
+use maud::{DOCTYPE, Markup, PreEscaped, html};
 use serde::Serialize;
 
 use super::{Figure, Table};
-use cosim_core::{Code, Error, Result};
+use cosim_core::Result;
 
 /// A page of sections.
-#[derive(Debug, Clone, Default, Serialize)]
+#[derive(Debug, Clone, Default)]
 pub struct Page {
     /// Title of the page.
     pub title: String,
@@ -72,23 +70,97 @@ impl Section {
 
 impl Page {
     /// The page as HTML.
-    pub fn html(&self) -> Result<String> {
-        render(context! { page => Value::from(Serde(self)) }).map_err(|e| {
-            Error::new(Code::Report, format!("cannot write the page '{}'", self.title)).why(e)
-        })
+    pub fn html(&self) -> String {
+        let body = html! {
+            main.document {
+                h1 { (self.title) }
+                @for paragraph in &self.summary {
+                    p.summary { (paragraph) }
+                }
+                @if self.sections.len() > 1 {
+                    nav aria-label="Contents" {
+                        ol {
+                            @for (section, number) in self.sections.iter().zip(1..) {
+                                li { a href={ "#section-" (number) } { (section.heading) } }
+                            }
+                        }
+                    }
+                }
+                @for (section, number) in self.sections.iter().zip(1..) {
+                    section id={ "section-" (number) } {
+                        h2 { (section.heading) }
+                        @for block in &section.blocks { (block.html()) }
+                    }
+                }
+                @if !self.footer.is_empty() {
+                    footer { (self.footer) }
+                }
+            }
+        };
+        whole(&self.title, &html! {}, &body)
     }
 }
 
-/// The page for the values of a template, with the style shared by all pages.
-pub(super) fn render(values: Value) -> Result<String, minijinja::Error> {
-    let syntax = SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build()?;
-    let mut environment = Environment::new();
-    environment.set_syntax(syntax);
-    environment.add_template("page.html", include_str!("page/page.html"))?;
-    environment.get_template("page.html")?.render(context! {
-        style => include_str!("page/base.css"),
-        ..values
-    })
+impl Block {
+    fn html(&self) -> Markup {
+        html! {
+            @match self {
+                Self::Text(text) => p { (text) },
+                Self::List(items) => ul {
+                    @for item in items { li { (item) } }
+                },
+                Self::Code(code) => pre tabindex="0" { code { (code) } },
+                Self::Table(table) => div.table tabindex="0" { (table.html()) },
+                Self::Figure { svg, caption } => figure {
+                    div.picture tabindex="0" role="group" aria-label="Picture" { (PreEscaped(svg)) }
+                    figcaption { (caption) }
+                },
+            }
+        }
+    }
+}
+
+impl Table {
+    fn html(&self) -> Markup {
+        html! {
+            table {
+                caption { (self.caption) }
+                thead {
+                    tr {
+                        @for cell in &self.header { th scope="col" { (cell) } }
+                    }
+                }
+                tbody {
+                    @for row in &self.rows {
+                        tr {
+                            @for (place, cell) in row.iter().enumerate() {
+                                @if place == 0 { th scope="row" { (cell) } } @else { td { (cell) } }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// A page with the style shared by all pages, and more elements in its head.
+pub(super) fn whole(title: &str, head: &Markup, body: &Markup) -> String {
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta name="color-scheme" content="light dark";
+                title { (title) }
+                style { (PreEscaped(include_str!("page/base.css"))) }
+                (head)
+            }
+            body { (body) }
+        }
+    };
+    page.into_string()
 }
 
 #[cfg(test)]
@@ -110,7 +182,7 @@ mod tests {
 
     #[test]
     fn text_is_escaped_and_figures_are_not() {
-        let html = page().html().unwrap();
+        let html = page().html();
         assert!(html.contains("a &lt; b &amp; c"));
         assert!(html.contains("&lt;script&gt;") && !html.contains("<script"));
         assert!(html.contains("<line x1=\"1\"/>"));
@@ -118,7 +190,7 @@ mod tests {
 
     #[test]
     fn the_page_loads_nothing() {
-        let html = page().html().unwrap().replace("http://www.w3.org/2000/svg", "");
+        let html = page().html().replace("http://www.w3.org/2000/svg", "");
         for outside in ["http", "src=", "@import", "url("] {
             assert!(!html.contains(outside), "{outside}");
         }
@@ -126,6 +198,6 @@ mod tests {
 
     #[test]
     fn the_same_page_gives_the_same_bytes() {
-        assert_eq!(page().html().unwrap(), page().html().unwrap());
+        assert_eq!(page().html(), page().html());
     }
 }

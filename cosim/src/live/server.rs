@@ -203,15 +203,7 @@ impl Shared {
                     serve(stream, rest, &self.hub, &mut *speaker);
                 }
             }
-            None => match cosim_report::live_page() {
-                Ok(page) => http::answer(&mut stream, "200 OK", "text/html", &page),
-                Err(e) => http::answer(
-                    &mut stream,
-                    "500 Internal Server Error",
-                    "text/plain",
-                    &e.to_string(),
-                ),
-            },
+            None => http::answer(&mut stream, "200 OK", "text/html", &cosim_report::live_page()),
         }
     }
 }

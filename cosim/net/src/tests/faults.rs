@@ -7,7 +7,7 @@ use crate::options::Options;
 use cosim_core::{Algorithm, Code};
 
 /// Faults that must not change a run.
-const FAULTS: [Fault; 10] = [
+const FAULTS: [Fault; 11] = [
     Fault::DiesBefore,
     Fault::DiesAfter,
     Fault::AnswersTwice,
@@ -18,6 +18,7 @@ const FAULTS: [Fault; 10] = [
     Fault::Early,
     Fault::Foreign,
     Fault::Torn,
+    Fault::Misread,
 ];
 
 fn every(save_every: Option<u64>) -> Options {
@@ -118,24 +119,23 @@ fn each_kind_of_stray_message_at_each_place_is_ignored() {
 }
 
 #[test]
-fn what_is_cut_is_refused_by_name() {
+fn a_host_that_misunderstands_or_is_misunderstood_starts_over() {
     let sample = pair(Nature::State);
     let bits = here(&sample.system).0;
-    let mut refused = 0;
+    let mut lost = 0;
     for fault in [Fault::CutAnswer, Fault::CutCommand] {
         for at in 1..60 {
             let trial = Trial { faults: vec![(at, fault)], ..Trial::default() };
-            match apart(&sample.system, &[0, 1], trial) {
-                // A truncated header is not a header: there is no answer, and the group starts
-                // over.
-                Ok(outcome) => assert!(outcome.bits == bits, "{fault:?} at {at}"),
-                Err(error) => {
-                    assert_eq!(error.code(), Code::Protocol, "{fault:?} at {at}: {error}");
-                    assert!(error.what().contains("cannot be understood"), "{error}");
-                    refused += 1;
-                }
-            }
+            let outcome = apart(&sample.system, &[0, 1], trial).unwrap();
+            assert!(outcome.bits == bits, "{fault:?} at {at}");
+            let said = |note: &&String| note.contains("cannot be understood");
+            lost += outcome.summary.notes.iter().filter(said).count();
         }
     }
-    assert!(refused > 60, "{refused}");
+    assert!(lost > 60, "{lost}");
+    // A host that never understands ends the run, which says why.
+    let faults = (20..200).map(|at| (at, Fault::CutCommand)).collect();
+    let error = apart(&sample.system, &[0, 1], Trial { faults, ..Trial::default() }).err().unwrap();
+    assert_eq!(error.code(), Code::Lost, "{error}");
+    assert!(error.what().contains("cannot be understood"), "{error}");
 }
