@@ -10,7 +10,7 @@ use mission::{Kind, Options, delay, fly, jitter};
 use rexrov::estimation::*;
 use rexrov::guidance::Course;
 use rexrov::vehicle::Parameters;
-use scoring::{SMALL, set};
+use scoring::set;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
@@ -71,9 +71,9 @@ fn a_cycle_does_not_allocate() {
     let inertial = InertialProcess::new(&p, None).unwrap();
     let constant = ConstantAcceleration::new(&p).unwrap();
     let counts = [
-        allocations(&Filter::<_, SMALL>::new(constant, &p).unwrap()),
+        allocations(&ConstantAccelerationFilter::new(constant, &p).unwrap()),
         allocations(&DynamicFilter::new(planar, &p).unwrap()),
-        allocations(&Filter::<_, SMALL>::new(inertial, &p).unwrap()),
+        allocations(&InertialFilter::new(inertial, &p).unwrap()),
         allocations(&AidedFilter::new(&p, &vehicle, &ModelErrors::default()).unwrap()),
     ];
     assert_eq!(counts, [0; 4]);

@@ -1,23 +1,18 @@
 //! Logs of a velocity log, an attitude and a depth, without an inertial unit and without thrusts.
 
-#[path = "mission/mod.rs"]
-mod mission;
-#[path = "scoring/mod.rs"]
-mod scoring;
-
-use mission::{
+use crate::mission::{
     DVL_POSITION, Data, Event, Kind, Mission, Options, Speed, Truth, delay, drop, fly, parallel,
 };
+use crate::scoring::{Run, follow_navigation, parameters, set};
 use rexrov::attitude::{from_euler, wrap};
-use rexrov::estimation::process::Process;
 use rexrov::estimation::{
-    AidedFilter, Belief, Disturbances, DynamicFilter, Filter, InertialProcess, Measurements,
-    ModelErrors, NavigationParameters, PlanarDynamic,
+    AidedFilter, Belief, Disturbances, DynamicFilter, InertialFilter, InertialProcess,
+    Measurements, Memory, ModelErrors, Navigation, NavigationParameters, PlanarDynamic,
+    UnmonitoredDynamicFilter,
 };
 use rexrov::guidance::Course;
 use rexrov::sensors::Gaussian;
 use rexrov::vehicle::Parameters;
-use scoring::{Run, SMALL, follow_navigation, parameters, set};
 
 const HEADING_BIAS: f64 = 0.1;
 const SCALE: f64 = 0.02;
@@ -90,7 +85,7 @@ fn filters() -> [(&'static str, Follow); 3] {
         }),
         ("inertial", |p, m| {
             let process = InertialProcess::new(p, None).unwrap();
-            follow_navigation(&Filter::<_, SMALL>::new(process, p).unwrap(), m)
+            follow_navigation(&InertialFilter::new(process, p).unwrap(), m)
         }),
         ("model-aided", |p, m| {
             let (vehicle, d) = (Parameters::default(), ModelErrors::default());
@@ -175,8 +170,8 @@ fn the_claimed_uncertainty_covers_what_cannot_be_observed() {
 }
 
 /// Follows a mission; returns the belief at its end, and the error of the position there (m).
-fn end<P: Process<N>, const N: usize>(
-    filter: &Filter<P, N>,
+fn end<const N: usize>(
+    filter: &impl Navigation<Memory = Memory<N>>,
     mission: &Mission,
 ) -> (Belief<N>, f64) {
     let (mut memory, mut measured) = (filter.memory(), Measurements::default());
@@ -214,8 +209,8 @@ fn the_delay_of_a_velocity_log_is_learned_from_fixes() {
     };
     let (vehicle, d) = (Parameters::default(), Disturbances::default());
     let dynamic =
-        Filter::<_, SMALL>::new(PlanarDynamic::new(&p, &vehicle, &d).unwrap(), &p).unwrap();
-    let inertial = Filter::<_, SMALL>::new(InertialProcess::new(&p, None).unwrap(), &p).unwrap();
+        UnmonitoredDynamicFilter::new(PlanarDynamic::new(&p, &vehicle, &d).unwrap(), &p).unwrap();
+    let inertial = InertialFilter::new(InertialProcess::new(&p, None).unwrap(), &p).unwrap();
     let ends = [end(&dynamic, &with(Kind::Thrust)), end(&inertial, &with(Kind::Imu))];
     for (belief, error) in ends {
         let (mean, sigma) = (belief.mean[STATE], belief.covariance[(STATE, STATE)].sqrt());
@@ -335,8 +330,7 @@ fn attitudes_tell_the_rate_at_any_rate_of_theirs() {
         };
         let mission = log(&o);
         let p = start(&o);
-        let inertial =
-            Filter::<_, SMALL>::new(InertialProcess::new(&p, None).unwrap(), &p).unwrap();
+        let inertial = InertialFilter::new(InertialProcess::new(&p, None).unwrap(), &p).unwrap();
         let run = follow_navigation(&inertial, &mission);
         let pairs = run.path.iter().zip(&mission.truth).skip(200);
         let squares = pairs.map(|(e, truth)| (e.velocity[1] - truth.nu[1]).powi(2));

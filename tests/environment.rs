@@ -1,10 +1,8 @@
 //! Random forces, current and thrust errors unknown to the vehicle.
 
-mod statistics;
-
+use crate::statistics::{correlation, mean, sigma};
 use approx::assert_relative_eq;
 use rexrov::environment::{Disturbance, DisturbanceParameters, DisturbanceSample};
-use statistics::{correlation, mean, sigma};
 
 fn samples(p: &DisturbanceParameters, n: usize) -> Vec<DisturbanceSample> {
     let disturbance = Disturbance::new(p).unwrap();

@@ -8,15 +8,10 @@
 //! is off, stuck, zero or not a number: only the fix then determines its velocity. It reaches 0.45
 //! m.
 
-#[path = "mission/mod.rs"]
-mod mission;
-#[path = "scoring/mod.rs"]
-mod scoring;
-
-use mission::*;
+use crate::mission::*;
+use crate::scoring::*;
 use rexrov::estimation::NavigationParameters;
 use rexrov::guidance::Course;
-use scoring::*;
 
 const FILTERS: [Which; 3] = [Which::Dynamic, Which::Inertial, Which::ModelAided];
 const SEEDS: u64 = 3;

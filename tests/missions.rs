@@ -1,9 +1,7 @@
 //! The simulated missions have the properties they claim.
 
-mod mission;
-
+use crate::mission::*;
 use approx::{assert_abs_diff_eq, assert_relative_eq};
-use mission::*;
 use rexrov::attitude::{from_euler, rotation, wrap};
 use rexrov::guidance::Course;
 use rexrov::vehicle::{Inertia, Inputs, Parameters, State, ThrusterMode, Vehicle};

@@ -2,23 +2,18 @@
 //! campaign over hundreds of seeds, with margins for the few seeds flown here, and the Cramér-Rao
 //! bound.
 
-mod mission;
-mod scoring;
-mod statistics;
-mod trial;
-
 use std::sync::LazyLock;
 
-use mission::*;
+use crate::mission::*;
+use crate::scoring::*;
+use crate::statistics::mean;
+use crate::trial::bound::{bound, late_rms};
+use crate::trial::*;
 use nalgebra::Matrix2;
 use rexrov::estimation::bound::Limits;
 use rexrov::estimation::{Disturbances, Estimate};
 use rexrov::guidance::Course;
 use rexrov::vehicle::Parameters;
-use scoring::*;
-use statistics::mean;
-use trial::bound::{bound, late_rms};
-use trial::*;
 
 const SEEDS: core::ops::RangeInclusive<u64> = 1..=16;
 

@@ -2,18 +2,13 @@
 //! Goals are those of the campaign over hundreds of seeds, with margins for the few seeds flown
 //! here.
 
-mod mission;
-mod scoring;
-mod statistics;
-mod trial;
-
 use std::sync::LazyLock;
 
-use mission::*;
+use crate::mission::*;
+use crate::scoring::*;
+use crate::statistics::mean;
+use crate::trial::*;
 use rexrov::guidance::Course;
-use scoring::*;
-use statistics::mean;
-use trial::*;
 
 const SEEDS: core::ops::RangeInclusive<u64> = 1..=4;
 /// End of an outage that begins at 200 s (s).

@@ -1,12 +1,10 @@
 //! Common properties of all sensors: their own noise, and checked parameters.
 
-mod statistics;
-
 use std::collections::HashSet;
 
+use crate::statistics::correlation;
 use rexrov::ParameterError;
 use rexrov::sensors::*;
-use statistics::correlation;
 
 const N: usize = 40_000;
 

@@ -1,10 +1,8 @@
 //! The four beams of the Doppler velocity log: geometry, noise, bottom lock and faults.
 
-mod statistics;
-
+use crate::statistics::{correlation, sigma};
 use approx::assert_relative_eq;
 use rexrov::sensors::*;
-use statistics::{correlation, sigma};
 
 const N: usize = 40_000;
 

@@ -1,11 +1,9 @@
 //! Faults of the sensors other than the velocity log.
 
-mod statistics;
-
+use crate::statistics::{correlation, mean, sigma};
 use approx::assert_relative_eq;
 use core::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 use rexrov::sensors::*;
-use statistics::{correlation, mean, sigma};
 
 const N: usize = 40_000;
 

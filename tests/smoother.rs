@@ -1,11 +1,7 @@
 //! The smoother compared with the batch solution, and its improvement over the filters.
 
-#[path = "mission/mod.rs"]
-mod mission;
-#[path = "scoring/mod.rs"]
-mod scoring;
-
-use mission::*;
+use crate::mission::*;
+use crate::scoring::*;
 use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, SVector};
 use rexrov::estimation::belief::{Belief, Column};
 use rexrov::estimation::interval::Interval;
@@ -19,7 +15,6 @@ use rexrov::estimation::{
 };
 use rexrov::guidance::Course;
 use rexrov::sensors::Gaussian;
-use scoring::*;
 
 /// Position and velocity along the axes of the world, with white acceleration on the velocity.
 struct Linear;

@@ -3,13 +3,11 @@
 //! The dual numbers run through `oracle`, an independent implementation of the equations of motion
 //! in the form of the paper, term by term, for any number type.
 
-mod oracle;
-
-use num_dual::Dual64;
-use oracle::{
-    COEFFICIENTS, Draw, IN, OUT, STATE, flat_outputs, flat_parameters, flat_state, inputs_of,
+use crate::oracle::{
+    self, COEFFICIENTS, Draw, IN, OUT, STATE, flat_outputs, flat_parameters, flat_state, inputs_of,
     parameters_of, state_of,
 };
+use num_dual::Dual64;
 use proptest::prelude::*;
 use rexrov::vehicle::{Inputs, Parameters, Sensitivity, State, ThrusterMode, Vehicle};
 

@@ -7,7 +7,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::estimate::Estimate;
-use super::filter::{Filter, Memory, Navigation};
+use super::family::{DynamicFilter, UnmonitoredAidedFilter};
+use super::filter::{Memory, Navigation};
 use super::measurement::Measurements;
 use super::monitor::ThrusterMonitor;
 use super::parameters::{Disturbances, ModelErrors, NavigationParameters};
@@ -25,13 +26,10 @@ pub const BASIC_STATES: usize = 20;
 /// multiple of four, for whole vectors.
 pub const AIDED_STATES: usize = 36;
 
-/// The dynamic filter with a thruster monitor.
-pub type DynamicFilter = Filter<PlanarDynamic, BASIC_STATES, ThrusterMonitor<BASIC_STATES>>;
-
 /// Model-aided inertial navigation.
 #[derive(Clone, Debug)]
 pub struct AidedFilter {
-    filter: Filter<InertialProcess, AIDED_STATES>,
+    filter: UnmonitoredAidedFilter,
     watch: DynamicFilter,
 }
 
@@ -71,8 +69,8 @@ impl AidedFilter {
         let moment_density = errors.disturbances.moment_density.min(WATCH_MOMENT_DENSITY);
         let watched = Disturbances { moment_density, ..errors.disturbances };
         Ok(Self {
-            filter: Filter::new(InertialProcess::new(p, Some(aid))?, p)?,
-            watch: Filter::new(PlanarDynamic::new(p, vehicle, &watched)?, p)?,
+            filter: UnmonitoredAidedFilter::new(InertialProcess::new(p, Some(aid))?, p)?,
+            watch: DynamicFilter::new(PlanarDynamic::new(p, vehicle, &watched)?, p)?,
         })
     }
 }
@@ -87,10 +85,10 @@ impl Navigation for AidedFilter {
 
     fn take(&self, memory: &mut AidedMemory, now: f64, measured: &Measurements) {
         self.watch.take(&mut memory.watch, now, measured);
-        let effectiveness = DynamicFilter::effectiveness(&memory.watch);
+        let effectiveness = memory.watch.effectiveness();
         if effectiveness != memory.effectiveness {
             memory.effectiveness = effectiveness;
-            self.filter.assume(&mut memory.filter, effectiveness);
+            memory.filter.assume(effectiveness);
         }
         self.filter.take(&mut memory.filter, now, measured);
     }
@@ -107,7 +105,7 @@ impl Smoothing for AidedFilter {
 
     fn smooth(&self, recording: &Recording) -> Vec<Smoothed> {
         let mut watched = recording.clone();
-        self.watch.watch(&mut watched);
+        self.watch.0.watch(&mut watched);
         self.filter.smooth(&watched)
     }
 }

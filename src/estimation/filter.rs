@@ -79,6 +79,22 @@ impl<const N: usize, M> Memory<N, M> {
     pub fn belief(&self) -> Option<&Belief<N>> {
         self.history.as_ref().map(|history| &history.track.belief)
     }
+
+    /// The share of its thrust that each thruster is assumed to give.
+    pub(super) fn effectiveness(&self) -> [f64; 8] {
+        self.history.as_ref().map_or([1.0; 8], |history| history.track.effectiveness)
+    }
+
+    /// From now on the thrusters are assumed to give these shares of their thrust.
+    pub(super) fn assume(&mut self, effectiveness: [f64; 8])
+    where
+        M: Monitor<N>,
+    {
+        if let Some(history) = &mut self.history {
+            let time = history.track.time;
+            history.insert(Event { time, kind: Kind::Effectiveness, value: effectiveness });
+        }
+    }
 }
 
 /// The interface of every filter of the family, whatever is inside.
@@ -201,19 +217,6 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Filter<P, N, M> {
     /// See [`Navigation::update`].
     pub fn update(&self, memory: &mut Memory<N, M>, now: f64, measured: &Measurements) -> Estimate {
         Navigation::update(self, memory, now, measured)
-    }
-
-    /// The share of its thrust that each thruster is assumed to give.
-    pub(super) fn effectiveness(memory: &Memory<N, M>) -> [f64; 8] {
-        memory.history.as_ref().map_or([1.0; 8], |history| history.track.effectiveness)
-    }
-
-    /// From now on the thrusters are assumed to give these shares of their thrust.
-    pub(super) fn assume(&self, memory: &mut Memory<N, M>, effectiveness: [f64; 8]) {
-        if let Some(history) = &mut memory.history {
-            let time = history.track.time;
-            history.insert(Event { time, kind: Kind::Effectiveness, value: effectiveness });
-        }
     }
 
     /// The time up to which the driving signals are known: inertial unit and thrusts, or, without

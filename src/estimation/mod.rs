@@ -12,6 +12,7 @@ pub mod belief;
 pub mod bound;
 mod clocks;
 pub mod estimate;
+mod family;
 pub mod filter;
 mod history;
 mod intake;
@@ -31,9 +32,13 @@ mod track;
 pub mod transition;
 mod turning;
 
-pub use aided::{AIDED_STATES, AidedFilter, AidedMemory, BASIC_STATES, DynamicFilter};
+pub use aided::{AIDED_STATES, AidedFilter, AidedMemory, BASIC_STATES};
 pub use belief::Belief;
 pub use estimate::{ChannelReport, Estimate, Health};
+pub use family::{
+    ConstantAccelerationFilter, DynamicFilter, InertialFilter, UnmonitoredAidedFilter,
+    UnmonitoredDynamicFilter,
+};
 pub use filter::{Filter, Memory, Navigation};
 pub use measurement::{KINDS, Kind, Measurements, Reading};
 pub use monitor::ThrusterMonitor;

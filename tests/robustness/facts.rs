@@ -1,9 +1,6 @@
 //! Facts about every filter, and properties of an estimate at any time.
 
-use crate::scoring::{LARGE, SMALL};
 use proptest::prelude::*;
-use rexrov::estimation::monitor::Monitor;
-use rexrov::estimation::process::Process;
 use rexrov::estimation::*;
 use rexrov::vehicle::Parameters;
 
@@ -11,9 +8,9 @@ pub(super) type Check = Result<(), TestCaseError>;
 
 /// Something that is true of every filter.
 pub(super) trait Fact {
-    fn check<P: Process<N>, M: Monitor<N>, const N: usize>(
+    fn check<F: Navigation<Memory = Memory<N, M>>, const N: usize, M: Copy>(
         &self,
-        filter: &Filter<P, N, M>,
+        filter: &F,
     ) -> Check;
 }
 
@@ -31,11 +28,13 @@ pub(super) fn for_all(fact: &impl Fact, extra: bool) -> Check {
     let aid = ModelAid::new(&vehicle, &ModelErrors::default()).unwrap();
     let constant = ConstantAcceleration::new(&p).unwrap();
     let planar = PlanarDynamic::new(&p, &vehicle, &d).unwrap();
-    fact.check(&Filter::<_, SMALL>::new(constant, &p).unwrap())?;
-    fact.check(&Filter::<_, SMALL>::new(planar.clone(), &p).unwrap())?;
+    fact.check(&ConstantAccelerationFilter::new(constant, &p).unwrap())?;
+    fact.check(&UnmonitoredDynamicFilter::new(planar.clone(), &p).unwrap())?;
     fact.check(&DynamicFilter::new(planar, &p).unwrap())?;
-    fact.check(&Filter::<_, SMALL>::new(InertialProcess::new(&p, None).unwrap(), &p).unwrap())?;
-    fact.check(&Filter::<_, LARGE>::new(InertialProcess::new(&p, Some(aid)).unwrap(), &p).unwrap())
+    fact.check(&InertialFilter::new(InertialProcess::new(&p, None).unwrap(), &p).unwrap())?;
+    fact.check(
+        &UnmonitoredAidedFilter::new(InertialProcess::new(&p, Some(aid)).unwrap(), &p).unwrap(),
+    )
 }
 
 /// Properties that hold at any time.

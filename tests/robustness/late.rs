@@ -4,14 +4,12 @@ use super::facts::*;
 use crate::mission::{Kind, Mission, Options, fly, jitter};
 use crate::scoring::set;
 use proptest::prelude::*;
-use rexrov::estimation::monitor::Monitor;
-use rexrov::estimation::process::Process;
-use rexrov::estimation::{Estimate, Filter, Measurements, Memory};
+use rexrov::estimation::{Estimate, Measurements, Memory, Navigation};
 use rexrov::guidance::Course;
 
 /// One update per event, as they arrive.
-fn deliver<P: Process<N>, M: Monitor<N>, const N: usize>(
-    filter: &Filter<P, N, M>,
+fn deliver<F: Navigation<Memory = Memory<N, M>>, const N: usize, M: Copy>(
+    filter: &F,
     mission: &Mission,
 ) -> (Memory<N, M>, Estimate) {
     let (mut memory, mut m) = (filter.memory(), Measurements::default());
@@ -47,9 +45,9 @@ impl Shuffled {
 }
 
 impl Fact for Shuffled {
-    fn check<P: Process<N>, M: Monitor<N>, const N: usize>(
+    fn check<F: Navigation<Memory = Memory<N, M>>, const N: usize, M: Copy>(
         &self,
-        filter: &Filter<P, N, M>,
+        filter: &F,
     ) -> Check {
         let (a, first) = deliver(filter, &self.in_order);
         let (b, second) = deliver(filter, &self.shuffled);
@@ -58,7 +56,7 @@ impl Fact for Shuffled {
         prop_assert!(second.channels.iter().any(|c| c.late > 0));
         let (a, b) = (a.belief().unwrap(), b.belief().unwrap());
         let off = (a.covariance - b.covariance).amax().max((a.mean - b.mean).amax());
-        prop_assert!(a == b, "{} differs by up to {}", core::any::type_name::<P>(), off);
+        prop_assert!(a == b, "{} differs by up to {}", core::any::type_name::<F>(), off);
         Ok(())
     }
 }

@@ -4,14 +4,8 @@
 use crate::mission::{self, Data, Event, Mission, Options};
 use nalgebra::{Matrix2, Matrix4, Vector2, Vector4};
 use rexrov::attitude::wrap;
-use rexrov::estimation::process::Process;
 use rexrov::estimation::*;
 use rexrov::vehicle::Parameters;
-
-/// Capacity for the states of the dynamic, inertial and constant-acceleration filters.
-pub const SMALL: usize = 19;
-/// Capacity for those of the model-aided filter.
-pub const LARGE: usize = 33;
 
 /// The filters compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -169,7 +163,7 @@ fn with_process(
     match which {
         Which::ConstantAcceleration => {
             let process = ConstantAcceleration::new(&p).unwrap();
-            what.with(&Filter::<_, SMALL>::new(process, &p).unwrap(), mission)
+            what.with(&ConstantAccelerationFilter::new(process, &p).unwrap(), mission)
         }
         Which::Dynamic => {
             let process = PlanarDynamic::new(&p, &vehicle, &d).unwrap();
@@ -177,22 +171,13 @@ fn with_process(
         }
         Which::Inertial => {
             let process = InertialProcess::new(&p, None).unwrap();
-            what.with(&Filter::<_, SMALL>::new(process, &p).unwrap(), mission)
+            what.with(&InertialFilter::new(process, &p).unwrap(), mission)
         }
         Which::ModelAided => what.with(&AidedFilter::new(&p, &vehicle, &errors).unwrap(), mission),
     }
 }
 
 /// Feeds the events as they arrive, and scores at every tenth of a second.
-pub fn follow<P: Process<N>, const N: usize>(
-    p: &NavigationParameters,
-    process: P,
-    mission: &Mission,
-) -> Run {
-    follow_navigation(&Filter::<P, N>::new(process, p).unwrap(), mission)
-}
-
-/// The same for a filter of any kind.
 pub fn follow_navigation(filter: &impl Navigation, mission: &Mission) -> Run {
     let mut memory = filter.memory();
     let mut measured = Measurements::default();

@@ -24,6 +24,18 @@ pub(crate) fn quietly(command: &mut Command) -> Result<()> {
     Ok(())
 }
 
+/// Runs `command` beside others, and shows its output when it has ended.
+pub(crate) fn in_one_piece(command: &mut Command) -> Result<()> {
+    let shown = shown(command);
+    let output = command.output().with_context(|| format!("cannot start `{shown}`"))?;
+    let [out, err] = [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text));
+    eprintln!("$ {shown}\n{out}{err}");
+    if !output.status.success() {
+        bail!("`{shown}` ended with {}", output.status);
+    }
+    Ok(())
+}
+
 /// Runs `command` and returns its output.
 pub(crate) fn output(command: &mut Command) -> Result<String> {
     let shown = shown(command);
@@ -70,7 +82,7 @@ pub(crate) fn unlocked(arguments: &[&str]) -> Command {
 /// its dependencies follow from that: nothing built for the tests is built again with other
 /// features.
 pub(crate) fn build_workspace() -> Command {
-    cargo(&["build", "--release", "--quiet", "--workspace", "--all-targets"])
+    cargo(&["build", "--release", "--quiet", "--workspace", "--lib", "--bins", "--examples"])
 }
 
 fn shown(command: &Command) -> String {

@@ -72,20 +72,9 @@ impl<'a> Dispatcher<'a> {
             };
             match event {
                 Some(Event::Ready { group, generation }) => self.ready(group, generation)?,
-                Some(Event::Answer { group, bytes, .. }) => match self.answered(group, &bytes) {
-                    Some(command) if self.groups[group].awaited_sequence() == Some(command) => {
-                        if self.take_answer(group, &bytes)? {
-                            answers.push((group, bytes));
-                        }
-                    }
-                    Some(command) if self.groups[group].sequence == command => {
-                        if self.spares.len() < SPARES {
-                            self.spares.push_back((group, bytes));
-                        }
-                    }
-                    // From an abandoned incarnation, or a duplicate.
-                    _ => {}
-                },
+                Some(Event::Answer { group, bytes, .. }) => {
+                    answers.extend(self.hear(group, bytes)?.map(|bytes| (group, bytes)));
+                }
                 Some(Event::Lost { group, generation, why }) => {
                     if self.is_current(group, generation) && !self.groups[group].is_finished() {
                         self.lose(group, &why, false)?;
@@ -97,6 +86,21 @@ impl<'a> Dispatcher<'a> {
         // By group, not by arrival: the caller reads them in the same order in every run.
         answers.sort_by_key(|(group, _)| *group);
         Ok(answers)
+    }
+
+    /// Takes a message from a group; returns it if it answers the last command.
+    fn hear(&mut self, group: usize, bytes: Vec<u8>) -> Result<Option<Vec<u8>>> {
+        // Otherwise from an abandoned incarnation, or a duplicate.
+        if let Some(command) = self.answered(group, &bytes) {
+            let handle = &self.groups[group];
+            if handle.awaited_sequence() == Some(command) {
+                return Ok(self.take_answer(group, &bytes)?.then_some(bytes));
+            }
+            if handle.sequence == command && self.spares.len() < SPARES {
+                self.spares.push_back((group, bytes));
+            }
+        }
+        Ok(None)
     }
 
     /// The group's answer cannot be understood, so it is not from the host, which may still answer.

@@ -80,14 +80,14 @@ pub fn live_page() -> String {
     page("cosim live", "{}", &LIVE, "; connect-src 'self' ws: wss:")
 }
 
+/// Everything is in the page.
+const POLICY: &str =
+    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:";
+
 /// A page with data and a script, which loads nothing but what `policy` adds.
 fn page(title: &str, data: &str, modules: &[&str], policy: &str) -> String {
-    let policy = format!(
-        "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; \
-         img-src data:{policy}"
-    );
     let head = html! {
-        meta http-equiv="Content-Security-Policy" content=(policy);
+        meta http-equiv="Content-Security-Policy" content={ (POLICY) (policy) };
         style {
             (PreEscaped(include_str!("page/uplot/uPlot.min.css")))
             (PreEscaped(include_str!("page/report.css")))

@@ -5,7 +5,7 @@ use crate::navigation_parameters::Parameters;
 use crate::navigator::Navigator;
 use fmu_kit::Info;
 use rexrov::ParameterError;
-use rexrov::estimation::{BASIC_STATES, ConstantAcceleration, Filter};
+use rexrov::estimation::{ConstantAcceleration, ConstantAccelerationFilter};
 
 /// The constant-acceleration filter: no vehicle model, no biases of the inertial unit.
 pub struct NavConstantAcceleration;
@@ -16,14 +16,14 @@ impl Navigator for NavConstantAcceleration {
         "Navigation filter of a vehicle whose acceleration and angular rate wander",
     );
     type Parameters = Parameters;
-    type Filter = Filter<ConstantAcceleration, BASIC_STATES>;
+    type Filter = ConstantAccelerationFilter;
 
     fn preset(selected: &Parameters) -> Parameters {
         Parameters::of(selected.imu_grade())
     }
 
     fn filter(p: &Parameters) -> Result<Self::Filter, ParameterError> {
-        Filter::new(ConstantAcceleration::new(&p.filter)?, &p.filter)
+        ConstantAccelerationFilter::new(ConstantAcceleration::new(&p.filter)?, &p.filter)
     }
 
     fn rate_hz(p: &Parameters) -> f64 {

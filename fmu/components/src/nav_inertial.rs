@@ -4,7 +4,7 @@ use crate::navigation_parameters::Parameters;
 use crate::navigator::Navigator;
 use fmu_kit::Info;
 use rexrov::ParameterError;
-use rexrov::estimation::{BASIC_STATES, Filter, InertialProcess};
+use rexrov::estimation::{InertialFilter, InertialProcess};
 
 /// The inertial filter: position, velocity, attitude and the biases of the inertial unit.
 pub struct NavInertial;
@@ -15,14 +15,14 @@ impl Navigator for NavInertial {
         "Inertial navigation in three dimensions, aided by the other sensors",
     );
     type Parameters = Parameters;
-    type Filter = Filter<InertialProcess, BASIC_STATES>;
+    type Filter = InertialFilter;
 
     fn preset(selected: &Parameters) -> Parameters {
         Parameters::of(selected.imu_grade())
     }
 
     fn filter(p: &Parameters) -> Result<Self::Filter, ParameterError> {
-        Filter::new(InertialProcess::new(&p.filter, None)?, &p.filter)
+        InertialFilter::new(InertialProcess::new(&p.filter, None)?, &p.filter)
     }
 
     fn rate_hz(p: &Parameters) -> f64 {

@@ -9,9 +9,9 @@ use anyhow::{Context, Result, ensure};
 use rexrov::allocation::Allocation;
 use rexrov::estimation::paper::{Acceleration, Ekf, EkfParameters};
 use rexrov::estimation::{
-    AIDED_STATES, AidedFilter, BASIC_STATES, ConstantAcceleration, Disturbances, DynamicFilter,
-    Filter, InertialProcess, Measurements, ModelAid, ModelErrors, Navigation, NavigationParameters,
-    PlanarDynamic, Reading,
+    AidedFilter, ConstantAcceleration, ConstantAccelerationFilter, Disturbances, DynamicFilter,
+    InertialFilter, InertialProcess, Measurements, ModelAid, ModelErrors, Navigation,
+    NavigationParameters, PlanarDynamic, Reading, UnmonitoredAidedFilter, UnmonitoredDynamicFilter,
 };
 use rexrov::vehicle::{Parameters, ReducedModel};
 use std::{env, ffi::OsString, hint::black_box, process::Command};
@@ -35,17 +35,17 @@ pub(super) fn measure() -> Result<Vec<Row>> {
     let aided = InertialProcess::new(&p, Some(ModelAid::new(&vehicle, &errors)?))?;
     let python = env::var_os("FILTERPY_PYTHON");
     let python = python.as_ref();
-    let basic = Filter::<_, BASIC_STATES>::new(constant, &p)?;
+    let basic = ConstantAccelerationFilter::new(constant, &p)?;
     rows.extend(navigation("constant-acceleration filter", &basic, Bar::None, None)?);
-    let inertial = Filter::<_, BASIC_STATES>::new(inertial, &p)?;
+    let inertial = InertialFilter::new(inertial, &p)?;
     let peer = python.map(|python| (python, Peer::Inertial));
     rows.extend(navigation("inertial filter", &inertial, Bar::AtMost(1.2), peer)?);
     let peer = python.map(|python| (python, Peer::Algebra(16)));
-    let alone = Filter::<_, BASIC_STATES>::new(planar.clone(), &p)?;
+    let alone = UnmonitoredDynamicFilter::new(planar.clone(), &p)?;
     rows.extend(navigation("dynamic filter without monitor", &alone, Bar::AtMost(1.5), peer)?);
     let watched = DynamicFilter::new(planar, &p)?;
     rows.extend(navigation("dynamic filter", &watched, Bar::AtMost(1.5), peer)?);
-    let aided = Filter::<_, AIDED_STATES>::new(aided, &p)?;
+    let aided = UnmonitoredAidedFilter::new(aided, &p)?;
     let peer = python.map(|python| (python, Peer::Algebra(30)));
     rows.extend(navigation("model-aided filter without watch", &aided, Bar::AtMost(6.0), peer)?);
     let whole = AidedFilter::new(&p, &vehicle, &errors)?;

@@ -3,25 +3,19 @@
 mod acts;
 mod facts;
 mod late;
-#[path = "../mission/mod.rs"]
-mod mission;
-#[path = "../scoring/mod.rs"]
-mod scoring;
 
 use acts::*;
 use facts::*;
 use proptest::prelude::*;
-use rexrov::estimation::monitor::Monitor;
-use rexrov::estimation::process::Process;
 use rexrov::estimation::*;
 
 /// Cycles of a clock that may step, with instruments that may do anything.
 struct Anything(Vec<Cycle>);
 
 impl Fact for Anything {
-    fn check<P: Process<N>, M: Monitor<N>, const N: usize>(
+    fn check<F: Navigation<Memory = Memory<N, M>>, const N: usize, M: Copy>(
         &self,
-        filter: &Filter<P, N, M>,
+        filter: &F,
     ) -> Check {
         let (mut memory, mut m, mut now) = (filter.memory(), Measurements::default(), 0.0);
         for cycle in &self.0 {
@@ -40,9 +34,9 @@ impl Fact for Anything {
 struct Absent([bool; 6]);
 
 impl Fact for Absent {
-    fn check<P: Process<N>, M: Monitor<N>, const N: usize>(
+    fn check<F: Navigation<Memory = Memory<N, M>>, const N: usize, M: Copy>(
         &self,
-        filter: &Filter<P, N, M>,
+        filter: &F,
     ) -> Check {
         let (mut memory, mut m) = (filter.memory(), Measurements::default());
         let mut estimate = Estimate::default();
@@ -70,9 +64,9 @@ struct Unaided {
 }
 
 impl Fact for Unaided {
-    fn check<P: Process<N>, M: Monitor<N>, const N: usize>(
+    fn check<F: Navigation<Memory = Memory<N, M>>, const N: usize, M: Copy>(
         &self,
-        filter: &Filter<P, N, M>,
+        filter: &F,
     ) -> Check {
         let (mut memory, mut m, mut last) = (filter.memory(), Measurements::default(), [0.0; 3]);
         for k in 0..3000 {
@@ -95,7 +89,7 @@ impl Fact for Unaided {
                 prop_assert!(
                     variance >= *last * (1.0 - slack),
                     "{} t {} state {}: {} after {}",
-                    core::any::type_name::<P>(),
+                    core::any::type_name::<F>(),
                     now,
                     i,
                     variance,
@@ -115,9 +109,9 @@ struct Burst {
 }
 
 impl Fact for Burst {
-    fn check<P: Process<N>, M: Monitor<N>, const N: usize>(
+    fn check<F: Navigation<Memory = Memory<N, M>>, const N: usize, M: Copy>(
         &self,
-        filter: &Filter<P, N, M>,
+        filter: &F,
     ) -> Check {
         let (mut memory, mut m) = (filter.memory(), Measurements::default());
         for k in 0..8 * self.hz {
@@ -133,7 +127,7 @@ impl Fact for Burst {
             }
             let estimate = filter.update(&mut memory, now, &m);
             sound(&estimate, &memory).map_err(|e| {
-                TestCaseError::fail(format!("{} {now} s: {e}", core::any::type_name::<P>()))
+                TestCaseError::fail(format!("{} {now} s: {e}", core::any::type_name::<F>()))
             })?;
         }
         let estimate = filter.update(&mut memory, 3_000.0, &m);
@@ -149,9 +143,9 @@ impl Fact for Burst {
 struct Jump;
 
 impl Fact for Jump {
-    fn check<P: Process<N>, M: Monitor<N>, const N: usize>(
+    fn check<F: Navigation<Memory = Memory<N, M>>, const N: usize, M: Copy>(
         &self,
-        filter: &Filter<P, N, M>,
+        filter: &F,
     ) -> Check {
         let (mut memory, mut m) = (filter.memory(), Measurements::default());
         for now in [0.0, 0.1, 1.7e9, 1.7e9 + 0.1] {

@@ -1,0 +1,31 @@
+//! All tests of the mathematics but that of allocations: in one program, which takes less time to build.
+
+mod closed_loop;
+mod control_and_allocation;
+mod dead_reckoning;
+mod environment;
+mod estimation;
+mod faults;
+mod guidance;
+mod jacobians;
+mod mission;
+mod missions;
+mod navigation;
+mod navigation_faults;
+mod oracle;
+mod parameters;
+mod quantities;
+mod robustness;
+mod scoring;
+mod sensors;
+mod sensors_common;
+mod sensors_dvl;
+mod sensors_faults;
+mod smoother;
+mod statistics;
+mod steering;
+mod tangent;
+mod thruster_loss;
+mod trial;
+mod vehicle_closed_forms;
+mod vehicle_invariants;
