@@ -337,6 +337,17 @@ def test_a_campaign_judges_a_class(tmp_path):
     assert b"the same to the last bit" in done.stdout + done.stderr
 
 
+def test_a_worker_of_a_campaign_starts_python_once(tmp_path):
+    """The parent of the process of an object is the same in all runs of a worker; the process is not."""
+    body = FIX.replace("TROUBLE", "").replace("y, z, yaw]", "os.getppid(), os.getpid(), yaw]")
+    figures = "".join(f'{n} = {{ kind = "final", of = "ekf.pose.{n}" }}\n' for n in "yz")
+    file = campaign_file(tmp_path, {"mine": made(tmp_path, body, ports=PAPER)})
+    file.write_text(file.read_text().replace("seeds = 2", "seeds = 4").replace("[[verdict]]", f"{figures}[[verdict]]"))
+    result = rexrov.campaign(file, output_dir=tmp_path / "results", jobs=1)
+    assert {row["status"] for row in result.rows} == {"ok"}
+    assert [len({row[name] for row in result.rows}) for name in "yz"] == [1, 4]
+
+
 def test_a_class_that_fails_costs_its_run_only(tmp_path):
     trouble = {"raises": "if t > 1: 1 / 0", "hangs": "while t > 1: pass", "dies": "if t > 1: os._exit(0)"}
     fmus = {n: made(tmp_path, FIX.replace("TROUBLE", line), ports=PAPER) for n, line in trouble.items()}

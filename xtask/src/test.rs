@@ -4,7 +4,7 @@ use crate::{
     book, debian, describe, judge, navigate, package, paths, platforms, process, python, reproduce,
     supply,
 };
-use anyhow::{Result, anyhow, bail};
+use anyhow::{Result, anyhow};
 use std::path::PathBuf;
 use std::process::Command;
 use std::thread;
@@ -24,51 +24,59 @@ const PATIENCE: Duration = Duration::from_secs(300);
 /// What is done, with its name in the list of times.
 type Step = (&'static str, fn() -> Result<()>);
 
-/// In this order; those of a group at the same time, because they wait for others half of the time.
-const GROUPS: [&[Step]; 15] = [
-    &[("format", || cargo(&["fmt", "--all", "--check"]))],
+/// Steps one after another.
+type Lane = &'static [Step];
+
+/// In this order; the lanes of a group at the same time.
+const GROUPS: [&[Lane]; 3] = [
     &[
-        ("lints", || cargo(&[&LINT[..], &["-D", "warnings"]].concat())),
-        ("downloads for later steps", downloads),
+        &[
+            ("format", || cargo(&["fmt", "--all", "--check"])),
+            ("lints", || cargo(&[&LINT[..], &["-D", "warnings"]].concat())),
+            ("program without its features", || {
+                cargo(&["check", "--release", "-p", "cosim", "--no-default-features", "--quiet"])
+            }),
+            ("documentation of the code", || {
+                let doc = ["doc", "--release", "--workspace", "--no-deps", "--quiet"];
+                process::run(process::cargo(&doc).env("RUSTDOCFLAGS", "-D warnings"))
+            }),
+            ("packages of the crates", supply::publish::check),
+            ("descriptions of the FMUs", describe::check),
+            ("builds of the tests", || cargo(&[&TEST[..], &["--no-run", "--quiet"]].concat())),
+        ],
+        &[("downloads for later steps", downloads)],
     ],
-    &[("program without its features", || {
-        cargo(&["check", "--release", "-p", "cosim", "--no-default-features", "--quiet"])
-    })],
-    &[("documentation of the code", || {
-        let doc = ["doc", "--release", "--workspace", "--no-deps", "--quiet"];
-        process::run(process::cargo(&doc).env("RUSTDOCFLAGS", "-D warnings"))
-    })],
-    &[("licences, bans, sources", || supply::deny::run(false))],
-    &[("packages of the crates", supply::publish::check)],
-    &[("descriptions of the FMUs", describe::check)],
-    &[("packages of the FMUs", package::for_shipping)],
-    &[("reproducible packages", package::check_reproducible)],
-    &[("builds of the tests", || {
-        judge::export_loop()?;
-        cargo(&[&TEST[..], &["--no-run", "--quiet"]].concat())
-    })],
-    &[("book", || book::run(true))],
-    &[("experiment", || {
-        let seeds = SMOKE_SEEDS;
-        reproduce::run(&reproduce::Options { seeds, threads: None, paper_only: false })?;
-        reproduce::check_picture()
-    })],
-    &[("navigation filters", || {
-        let cells = SMOKE_CELLS.map(str::to_owned).to_vec();
-        let seeds = SMOKE_MISSIONS;
-        navigate::run(&navigate::Options { seeds, first_seed: 1, cells, threads: None })
-    })],
-    &[("platforms", platforms::in_short)],
     &[
-        ("tests in Rust", || {
-            cargo(&[&TEST[..], &["--no-fail-fast"]].concat())?;
-            judge::in_rust()
-        }),
-        ("tests in Python and other tools", || {
-            // Apart, because the judges' process contains libraries that do not tolerate others.
-            judge::in_python()?;
-            pytest()
-        }),
+        &[
+            ("licences, bans, sources", || supply::deny::run(false)),
+            ("packages of the FMUs", package::for_shipping),
+            ("reproducible packages", package::check_reproducible),
+            ("book", || book::run(true)),
+            ("experiment", || {
+                let seeds = SMOKE_SEEDS;
+                reproduce::run(&reproduce::Options { seeds, threads: None, paper_only: false })?;
+                reproduce::check_picture()
+            }),
+            ("navigation filters", || {
+                let cells = SMOKE_CELLS.map(str::to_owned).to_vec();
+                let seeds = SMOKE_MISSIONS;
+                navigate::run(&navigate::Options { seeds, first_seed: 1, cells, threads: None })
+            }),
+        ],
+        // Its compilers work on one crate after another.
+        &[("platforms", platforms::in_short)],
+    ],
+    // Tests wait for others half of the time.
+    &[
+        &[
+            ("tests in Rust", || {
+                judge::export_loop()?;
+                cargo(&[&TEST[..], &["--no-fail-fast"]].concat())
+            }),
+            ("importer in Rust", judge::in_rust),
+        ],
+        // Apart from each other, because the first process contains libraries of other tools.
+        &[("other tools", judge::in_python), ("tests in Python", pytest)],
     ],
 ];
 
@@ -80,32 +88,40 @@ const TEST: [&str; 3] = ["test", "--release", "--workspace"];
 pub(crate) fn run() -> Result<()> {
     let mut times = Vec::new();
     let ended = GROUPS.iter().try_for_each(|group| {
-        let ended = at_once(group);
-        for ((name, _), (time, _)) in group.iter().zip(&ended) {
-            times.push(format!("{:6.0} s  {name}", time.as_secs_f64()));
+        let mut failed = None;
+        for (time, ended) in at_once(group) {
+            times.extend(time);
+            match (ended, &failed) {
+                (Err(why), Some(_)) => eprintln!("{why:#}"),
+                (Err(why), None) => failed = Some(why),
+                (Ok(()), _) => {}
+            }
         }
-        let failed: Vec<_> = ended.into_iter().filter_map(|(_, ended)| ended.err()).collect();
-        let Some((first, others)) = failed.split_first() else { return Ok(()) };
-        others.iter().for_each(|why| eprintln!("{why:#}"));
-        bail!("{first:#}")
+        failed.map_or(Ok(()), Err)
     });
     println!("{}", times.join("\n"));
     ended
 }
 
-/// The steps' outcomes, and how long they took.
-fn at_once(group: &[Step]) -> Vec<(Duration, Result<()>)> {
-    let timed = |step: fn() -> Result<()>| {
+/// How long the steps of each lane took, and how the lane ended.
+fn at_once(lanes: &[Lane]) -> Vec<(Vec<String>, Result<()>)> {
+    thread::scope(|scope| {
+        let started: Vec<_> = lanes.iter().map(|lane| scope.spawn(|| in_turn(lane))).collect();
+        let panicked = |_| (Vec::new(), Err(anyhow!("a step panicked")));
+        started.into_iter().map(|lane| lane.join().unwrap_or_else(panicked)).collect()
+    })
+}
+
+/// The same for one lane, which ends at the first step that fails.
+fn in_turn(lane: Lane) -> (Vec<String>, Result<()>) {
+    let mut times = Vec::new();
+    let ended = lane.iter().try_for_each(|(name, step)| {
         let begin = Instant::now();
         let ended = step();
-        (begin.elapsed(), ended)
-    };
-    thread::scope(|scope| {
-        let started: Vec<_> =
-            group.iter().map(|(_, step)| scope.spawn(move || timed(*step))).collect();
-        let panicked = |_| (Duration::ZERO, Err(anyhow!("a step panicked")));
-        started.into_iter().map(|step| step.join().unwrap_or_else(panicked)).collect()
-    })
+        times.push(format!("{:6.0} s  {name}", begin.elapsed().as_secs_f64()));
+        ended
+    });
+    (times, ended)
 }
 
 /// What later steps would otherwise wait for. Each fetches again what is missing, and knows whether

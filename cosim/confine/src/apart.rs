@@ -167,7 +167,20 @@ pub fn kill_descendants(root: u32) {
     while own && unsafe { libc::waitpid(-1, std::ptr::null_mut(), libc::WNOHANG) } > 0 {}
 }
 
-/// The same, except for children that are spared, and what they started.
+/// Kills what this process started, except processes that lead their own group and are spared, and
+/// what those started.
+pub fn kill_started(is_spared: &dyn Fn(u32) -> bool) {
+    if has_no_children() {
+        return;
+    }
+    // SAFETY: only asks.
+    let leads = |process: u32| unsafe { libc::getpgid(process as i32) } == process as i32;
+    kill_all(std::process::id(), &|process| leads(process) && is_spared(process));
+    // SAFETY: waits for children that are dead.
+    while unsafe { libc::waitpid(-1, std::ptr::null_mut(), libc::WNOHANG) } > 0 {}
+}
+
+/// Kills what descends from `root`, except for processes that are spared, and what they started.
 fn kill_all(root: u32, is_spared: &dyn Fn(u32) -> bool) {
     // In a PID namespace the numbers differ from those in /proc, and its end is the end of all.
     let own = std::fs::read_link("/proc/self").ok();

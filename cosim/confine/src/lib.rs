@@ -26,8 +26,10 @@ use landlock::{
     PathFd, Ruleset, RulesetAttr, RulesetCreated, RulesetCreatedAttr, Scope,
 };
 
-pub use apart::kill_orphans;
-pub use apart::{Apart, Supervised, close_inherited, kill_descendants, reap_descendants};
+pub use apart::{
+    Apart, Supervised, close_inherited, kill_descendants, kill_orphans, kill_started,
+    reap_descendants,
+};
 use calls::Programs;
 use cosim_base::error::{Code, Error, Result};
 

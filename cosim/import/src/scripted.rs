@@ -5,7 +5,9 @@
 //! instead of asking the user.
 
 use std::env;
+use std::ffi::OsStr;
 use std::fs;
+use std::os::unix::ffi::OsStrExt;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
@@ -98,6 +100,15 @@ impl Manifest {
                  --no-confine"
         ))
     }
+}
+
+/// Whether a process serves a class to such an FMU. When an instance ends, it waits for the next one.
+pub fn is_host(process: u32) -> bool {
+    let line = fs::read(format!("/proc/{process}/cmdline")).unwrap_or_default();
+    let mut words = line.split(|octet| *octet == 0).rev().filter(|word| !word.is_empty());
+    let (Some(resources), Some(host)) = (words.next(), words.next()) else { return false };
+    let [resources, host] = [resources, host].map(|word| Path::new(OsStr::from_bytes(word)));
+    host == Manifest::host(resources) && Manifest::read(resources).is_ok()
 }
 
 /// Whether an FMU with these resources is made from a Python class; an error if its Python is

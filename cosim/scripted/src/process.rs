@@ -67,8 +67,10 @@ impl Process {
         let place = idle.iter().position(|(folder, _)| folder == resources);
         let found = place.map(|place| idle.swap_remove(place).1);
         drop(idle);
+        // One that was killed may have answered before.
         if let Some(mut process) = found
             && process.answer().is_ok()
+            && matches!(process.child.try_wait(), Ok(None))
         {
             return Ok(process);
         }

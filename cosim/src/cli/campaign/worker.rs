@@ -5,7 +5,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use cosim::campaign::{Bench, Campaign, fingerprint};
-use cosim::confine::kill_descendants;
+use cosim::confine::kill_started;
+use cosim::scripted::is_host;
 use cosim::texts::Scope;
 use cosim::{Code, Error, Result};
 use rustix::process::Signal;
@@ -46,8 +47,9 @@ impl CampaignWorker {
             let _texts = Scope::begin();
             let mut row = serde_json::to_vec(&bench.run(run)).unwrap_or_default();
             row.push(b'\n');
-            // What FMUs started ends with the run, before its row counts.
-            kill_descendants(std::process::id());
+            // What FMUs started ends with the run, before its row counts; a process that serves a
+            // class forks for each run.
+            kill_started(&is_host);
             rows.write_all(&row).map_err(broken)?;
         }
         Ok(())
