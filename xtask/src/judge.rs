@@ -37,7 +37,7 @@ pub(crate) fn in_python() -> Result<()> {
         }
         Err(why) => eprintln!("CoFmuPy is no judge here: {why:#}"),
     }
-    process::in_one_piece(&mut command)
+    process::run(&mut command)
 }
 
 /// Exports the paper's loop as one FMU, target/judges/Loop.fmu, to be judged with the packaged

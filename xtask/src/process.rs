@@ -24,18 +24,6 @@ pub(crate) fn quietly(command: &mut Command) -> Result<()> {
     Ok(())
 }
 
-/// Runs `command` beside others, and shows its output when it has ended.
-pub(crate) fn in_one_piece(command: &mut Command) -> Result<()> {
-    let shown = shown(command);
-    let output = command.output().with_context(|| format!("cannot start `{shown}`"))?;
-    let [out, err] = [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text));
-    eprintln!("$ {shown}\n{out}{err}");
-    if !output.status.success() {
-        bail!("`{shown}` ended with {}", output.status);
-    }
-    Ok(())
-}
-
 /// Runs `command` and returns its output.
 pub(crate) fn output(command: &mut Command) -> Result<String> {
     let shown = shown(command);

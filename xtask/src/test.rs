@@ -66,18 +66,17 @@ const GROUPS: [&[Lane]; 3] = [
         // Its compilers work on one crate after another.
         &[("platforms", platforms::in_short)],
     ],
-    // Tests wait for others half of the time.
-    &[
-        &[
-            ("tests in Rust", || {
-                judge::export_loop()?;
-                cargo(&[&TEST[..], &["--no-fail-fast"]].concat())
-            }),
-            ("importer in Rust", judge::in_rust),
-        ],
+    // Alone on the machine: some of them have to be in time for others.
+    &[&[
+        ("tests in Rust", || {
+            judge::export_loop()?;
+            cargo(&[&TEST[..], &["--no-fail-fast"]].concat())
+        }),
+        ("importer in Rust", judge::in_rust),
         // Apart from each other, because the first process contains libraries of other tools.
-        &[("other tools", judge::in_python), ("tests in Python", pytest)],
-    ],
+        ("other tools", judge::in_python),
+        ("tests in Python", pytest),
+    ]],
 ];
 
 const LINT: [&str; 6] = ["clippy", "--release", "--workspace", "--all-targets", "--quiet", "--"];
@@ -165,5 +164,5 @@ fn pytest() -> Result<()> {
         Err(why) => println!("no browser: {why:#}"),
     }
     command.args(["-m", "pytest", "-q", "-rfEs", "tests/python", "--ignore", judge::TESTS]);
-    process::in_one_piece(command.current_dir(paths::root()))
+    process::run(command.current_dir(paths::root()))
 }
