@@ -348,6 +348,25 @@ def test_a_worker_of_a_campaign_starts_python_once(tmp_path):
     assert [len({row[name] for row in result.rows}) for name in "yz"] == [1, 4]
 
 
+def test_what_a_class_starts_ends_with_its_run(tmp_path):
+    seen = tmp_path / "seen"
+    count = f"""import pathlib, subprocess
+def left(seen=pathlib.Path({str(seen)!r})):
+    own, known = str(os.getpid()), [line.split() for line in seen.read_text().splitlines()] if seen.exists() else []
+    child = subprocess.Popen(["sleep", "60"], stdin=-3, stdout=-3, stderr=-3).pid
+    seen.write_text("".join(f"{{a}} {{b}}\\n" for a, b in [*known, (own, child)]))
+    return sum(pathlib.Path("/proc", b, "cmdline").exists() for a, b in known if a != own)"""
+    body = FIX.replace("self.random =", "self.left = left(); self.random =").replace("TROUBLE", "")
+    fmu = made(tmp_path, body.replace("y, z, yaw]", "self.left, z, yaw]"), head=count, ports=PAPER)
+    seen.unlink(missing_ok=True)
+    file = campaign_file(tmp_path, {"mine": fmu})
+    figure = 'left = { kind = "final", of = "ekf.pose.y" }\n[[verdict]]'
+    file.write_text(file.read_text().replace("seeds = 2", "seeds = 4").replace("[[verdict]]", figure))
+    result = rexrov.campaign(file, output_dir=tmp_path / "results", jobs=1)
+    assert [(row["status"], float(row["left"])) for row in result.rows] == [("ok", 0.0)] * 4
+    assert len({line.split()[0] for line in seen.read_text().splitlines()}) == 4, "each run starts some"
+
+
 def test_a_class_that_fails_costs_its_run_only(tmp_path):
     trouble = {"raises": "if t > 1: 1 / 0", "hangs": "while t > 1: pass", "dies": "if t > 1: os._exit(0)"}
     fmus = {n: made(tmp_path, FIX.replace("TROUBLE", line), ports=PAPER) for n, line in trouble.items()}

@@ -167,15 +167,18 @@ pub fn kill_descendants(root: u32) {
     while own && unsafe { libc::waitpid(-1, std::ptr::null_mut(), libc::WNOHANG) } > 0 {}
 }
 
-/// Kills what this process started, except processes that lead their own group and are spared, and
-/// what those started.
+/// Kills what this process started, except processes that are spared, lead their own group and have
+/// no descendants: whatever started something ends with it.
 pub fn kill_started(is_spared: &dyn Fn(u32) -> bool) {
     if has_no_children() {
         return;
     }
     // SAFETY: only asks.
     let leads = |process: u32| unsafe { libc::getpgid(process as i32) } == process as i32;
-    kill_all(std::process::id(), &|process| leads(process) && is_spared(process));
+    let is_alone = |process: u32| descendants(process, &|_| false).is_empty();
+    kill_all(std::process::id(), &|process| {
+        leads(process) && is_spared(process) && is_alone(process)
+    });
     // SAFETY: waits for children that are dead.
     while unsafe { libc::waitpid(-1, std::ptr::null_mut(), libc::WNOHANG) } > 0 {}
 }

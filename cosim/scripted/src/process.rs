@@ -31,7 +31,7 @@ pub(crate) enum Ask {
     Save = b'G',
     /// Create an object from a state.
     Restore = b'R',
-    /// The object is no longer needed. The next instance awaits the answer.
+    /// The object is no longer needed; the answer comes when its process has ended.
     End = b'E',
 }
 
@@ -67,9 +67,8 @@ impl Process {
         let place = idle.iter().position(|(folder, _)| folder == resources);
         let found = place.map(|place| idle.swap_remove(place).1);
         drop(idle);
-        // One that was killed may have answered before.
+        // It may have been killed meanwhile.
         if let Some(mut process) = found
-            && process.answer().is_ok()
             && matches!(process.child.try_wait(), Ok(None))
         {
             return Ok(process);
@@ -79,7 +78,7 @@ impl Process {
 
     /// Keeps it for the next instance with the same resources.
     pub(crate) fn release(mut self, resources: &Path) {
-        if self.sound && self.send(Ask::End, &[]).is_ok() {
+        if self.sound && self.ask(Ask::End, &[]).is_ok() {
             let mut idle = IDLE.lock().unwrap_or_else(PoisonError::into_inner);
             idle.push((resources.to_owned(), self));
         }
