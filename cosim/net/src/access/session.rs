@@ -11,6 +11,8 @@ use super::configuration::Configuration;
 use super::credentials::{Checked, Credentials};
 use super::diagnose::{self, silence};
 use super::endpoint::Endpoint;
+#[cfg(unix)]
+use super::linger;
 use super::members::Members;
 use super::{rights, runtime};
 use cosim_base::error::{Code, Error, Result};
@@ -101,6 +103,10 @@ impl Access {
             _ => None,
         };
         let config = self.config(side, members.as_ref())?;
+        #[cfg(unix)]
+        if side.listens {
+            self.endpoints.iter().filter_map(|endpoint| port(endpoint)).for_each(linger::forbid);
+        }
         let session = zenoh::open(config).wait().map_err(|why| self.unopened(side, &why))?;
         if let Some(members) = members {
             rights::answer(&session, members)?;
@@ -171,6 +177,14 @@ impl Access {
                 .why(format!("{}: {why}", self.endpoints.join(", ")))
                 .help("is it an address of this machine, and is it free?"),
         }
+    }
+}
+
+#[cfg(unix)]
+fn port(endpoint: &str) -> Option<u16> {
+    match Endpoint::parse(endpoint) {
+        Ok(Endpoint::Tcp(_, port) | Endpoint::Tls(_, port)) => Some(port),
+        _ => None,
     }
 }
 
