@@ -4,6 +4,11 @@
 //! thread, and by Zenoh when the connection to an observer is congested. The keys are not part of
 //! the protocol, so an observer that reads all of them never delays a step.
 //!
+//! The queues of Zenoh are as long as possible and it waits longer than usual before it drops,
+//! because an observer that once missed a message receives nothing more on that connection
+//! (zenoh-transport 1.10 without priorities marks a congested connection with one bit and clears
+//! another).
+//!
 //! * `cosim/1/<run>/status`: a [`Status`] in JSON, four times a second;
 //! * `cosim/1/<run>/signals`, on demand: `{"time": s, "values": {"component.variable": ..}}`, the
 //!   recorded values at every instant at which they are recorded.

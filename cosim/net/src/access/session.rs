@@ -145,6 +145,12 @@ impl Access {
             ("transport/unicast/qos/enabled", (!quick).to_string()),
             // The buffers are large enough for everything on this channel: see `channels`.
             ("transport/link/tx/batch_size", u16::MAX.to_string()),
+            // For telemetry, nothing else may be dropped: see `telemetry`.
+            ("transport/link/tx/queue/size/data", "16".to_owned()),
+            (
+                "transport/link/tx/queue/congestion_control/drop/wait_before_drop",
+                "100000".to_owned(),
+            ),
             ("transport/shared_memory/enabled", "false".to_owned()),
             // Nothing here uses wall-clock timestamps, and every message would be stamped twice.
             ("timestamping/enabled", "false".to_owned()),
