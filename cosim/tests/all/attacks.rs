@@ -4,7 +4,6 @@
 use std::os::unix::fs::MetadataExt;
 use std::path::Path;
 use std::process::Output;
-use std::time::Duration;
 
 use tempfile::TempDir;
 
@@ -262,7 +261,7 @@ fn what_comes_of_attacks_is_what_the_documentation_says() {
             }
             let lingers = std::fs::read_to_string(home.path().join("lingers"));
             let lingers: Vec<u32> = lingers.iter().filter_map(|id| id.parse().ok()).collect();
-            let left = remaining(&lingers, Duration::from_secs(10));
+            let left = remaining(&lingers);
             if !left.is_empty() {
                 wrong.push(format!("{name}, {}: {left:?} is left", PLACES[place]));
             }
@@ -412,7 +411,7 @@ fn what_an_fmu_starts_ends_with_the_run() {
         };
         assert_eq!(code, 0, "{place}: {shown}");
         let lingers = std::fs::read_to_string(home.path().join("lingers")).unwrap();
-        let left = remaining(&[lingers.parse().unwrap()], Duration::from_secs(10));
+        let left = remaining(&[lingers.parse().unwrap()]);
         assert!(left.is_empty(), "{place}");
     }
 }

@@ -2,15 +2,11 @@
 
 use std::path::Path;
 use std::process::{Child, Stdio};
-use std::time::Duration;
 
 use tempfile::TempDir;
 
 use crate::attacks::{attacker, one_component};
 use crate::distributed::{children, cosim, remaining, signal};
-
-/// How long the end of processes may take.
-const PATIENCE: Duration = Duration::from_secs(30);
 
 /// Starts a process that lingers.
 const START: &str = "if (!fork()) { setsid(); linger(in_home(\"lingers\")); } \
@@ -54,7 +50,7 @@ fn a_killed_campaign_leaves_no_process() {
     campaign.kill().unwrap();
     campaign.wait().unwrap();
     assert_eq!(all.len(), 2);
-    assert!(remaining(&all, PATIENCE).is_empty());
+    assert!(remaining(&all).is_empty());
 }
 
 /// The kernel may report the end of a parent once for each of its threads.
@@ -72,7 +68,7 @@ fn a_process_that_learns_twice_of_the_end_of_its_campaign_leaves_no_process() {
         std::thread::yield_now();
     }
     signal(maker, "-TERM");
-    let left = remaining(&[lingers], PATIENCE);
+    let left = remaining(&[lingers]);
     campaign.kill().unwrap();
     campaign.wait().unwrap();
     assert!(left.is_empty());
@@ -93,7 +89,7 @@ fn an_interrupted_campaign_leaves_no_process() {
     let process = started(folder.path());
     signal(campaign.id(), "-INT");
     assert_eq!(campaign.wait().unwrap().code(), Some(130));
-    assert!(remaining(&[process], PATIENCE).is_empty());
+    assert!(remaining(&[process]).is_empty());
 }
 
 #[test]
@@ -104,7 +100,7 @@ fn a_run_that_takes_too_long_leaves_no_process() {
     start(at, &CAMPAIGN).wait().unwrap();
     let rows = std::fs::read_to_string(at.join("c_campaign/runs.jsonl")).unwrap();
     assert!(rows.contains("timed-out"), "{rows}");
-    assert!(remaining(&[started(at)], PATIENCE).is_empty());
+    assert!(remaining(&[started(at)]).is_empty());
 }
 
 /// The process that makes runs continues; what an FMU started in one of them does not.
@@ -123,5 +119,5 @@ fn a_run_finds_no_process_of_the_one_before() {
     std::fs::remove_file(at.join("lingers")).unwrap();
     let report = ["report", "c_campaign", "-o", "page.html"];
     assert!(start(at, &report).wait().unwrap().success());
-    assert!(remaining(&[started(at)], PATIENCE).is_empty());
+    assert!(remaining(&[started(at)]).is_empty());
 }

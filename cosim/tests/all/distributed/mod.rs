@@ -82,12 +82,15 @@ fn is_over(process: u32) -> bool {
     status(process).is_none_or(|(state, _)| state == 'Z' || state == 'X')
 }
 
-/// Waits until all of these have ended; returns those that have not.
-pub(crate) fn remaining(processes: &[u32], patience: Duration) -> Vec<u32> {
+/// A process that has not ended by then does not end; a machine may be that slow.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// Waits until all of these have ended; returns those that do not.
+pub(crate) fn remaining(processes: &[u32]) -> Vec<u32> {
     let begun = Instant::now();
     loop {
         let left: Vec<u32> = processes.iter().copied().filter(|p| !is_over(*p)).collect();
-        if left.is_empty() || begun.elapsed() > patience {
+        if left.is_empty() || begun.elapsed() > PATIENCE {
             return left;
         }
         std::thread::sleep(Duration::from_millis(5));

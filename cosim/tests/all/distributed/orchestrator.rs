@@ -28,7 +28,7 @@ fn a_killed_run_is_resumed_to_the_bytes_of_an_undisturbed_one() {
             let started = below(run.id());
             signal(run.id(), "-KILL");
             run.wait().unwrap();
-            assert!(remaining(&started, Duration::from_secs(2)).is_empty());
+            assert!(remaining(&started).is_empty());
             arguments = [&common[..], &saved, &["--resume", "s"]].concat();
         }
         let (code, stderr) = outcome(folder.path(), &[&common[..], &["--resume", "s"]].concat());
@@ -56,7 +56,7 @@ fn workers_end_what_they_do_for_a_run_that_is_killed_and_serve_the_next() {
     assert_eq!(groups.len(), 1);
     signal(first.id(), "-KILL");
     first.wait().unwrap();
-    assert!(remaining(&groups, Duration::from_secs(2)).is_empty());
+    assert!(remaining(&groups).is_empty());
     assert!(run("5").wait().unwrap().success());
 }
 
