@@ -88,7 +88,7 @@ enum Task {
         /// Only those whose names contain this.
         filter: Option<String>,
     },
-    /// Make the campaign of all faults and filters, which takes an hour, and write docs/how-to/fault-matrix.md.
+    /// Make the campaign of all faults and filters, which takes a quarter of an hour on two cores, and write docs/how-to/fault-matrix.md.
     Matrix,
     /// Kill the processes of distributed runs, or of a campaign, hundreds of times; every byte must
     /// stay the same.

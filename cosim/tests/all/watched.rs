@@ -7,11 +7,12 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
+use cosim::distributed::Threads;
 use tempfile::TempDir;
 use zenoh::Wait;
 
 use crate::distributed::{cosim, outcome, results, signal};
-use crate::locked::{Running, free_port, start};
+use crate::locked::{Running, free_port, keys, start};
 use crate::models::Model;
 use crate::ssd::Ssd;
 
@@ -28,15 +29,10 @@ fn wide(stop: f64) -> Ssd {
     system.stop(stop)
 }
 
-/// A session of an observer, as soon as the run listens.
-fn observer(endpoint: &str) -> zenoh::Session {
-    observer_by(endpoint, false)
-}
-
-/// The same, optionally with Zenoh's low-latency transport, which has no priorities.
-fn observer_by(endpoint: &str, quick: bool) -> zenoh::Session {
+/// A session of an observer, as soon as the run listens; with these settings besides the usual ones.
+fn observer(endpoint: &str, more: &[(String, String)]) -> zenoh::Session {
     let mut config = zenoh::Config::default();
-    for (key, value) in [
+    let usual = [
         ("mode", "\"client\"".to_owned()),
         ("connect/endpoints", format!("[{endpoint:?}]")),
         ("connect/timeout_ms", "20000".to_owned()),
@@ -47,16 +43,16 @@ fn observer_by(endpoint: &str, quick: bool) -> zenoh::Session {
         ("scouting/multicast/enabled", "false".to_owned()),
         // The run notices soon that it is gone.
         ("transport/link/tx/lease", "1000".to_owned()),
-        ("transport/unicast/lowlatency", quick.to_string()),
-        ("transport/unicast/qos/enabled", (!quick).to_string()),
-    ] {
+    ];
+    let more = more.iter().map(|(key, value)| (key.as_str(), value.clone()));
+    for (key, value) in usual.into_iter().chain(more) {
         config.insert_json5(key, &value).unwrap();
     }
     zenoh::open(config).wait().unwrap()
 }
 
 const ENDPOINT: &str = "COSIM_TEST_OBSERVED";
-const QUICK: &str = "COSIM_TEST_OBSERVED_QUICKLY";
+const MORE: &str = "COSIM_TEST_OBSERVED_WITH";
 const LISTENS: &str = "it listens";
 
 /// Not a test of its own: the process that [`stalled`] stops.
@@ -65,8 +61,9 @@ fn an_observer_of_everything() {
     let Ok(endpoint) = std::env::var(ENDPOINT) else {
         return;
     };
-    let session = observer_by(&endpoint, std::env::var_os(QUICK).is_some());
-    let all = session.declare_subscriber("**").wait().unwrap();
+    let more = serde_json::from_str::<Vec<_>>(&std::env::var(MORE).unwrap()).unwrap();
+    let session = observer(&endpoint, &more);
+    let all = session.declare_subscriber("cosim/1/**").wait().unwrap();
     // The answer follows after what was declared.
     let answers = session.get("nothing/answers/this").wait().unwrap();
     assert!(answers.recv().is_err());
@@ -74,14 +71,12 @@ fn an_observer_of_everything() {
     while all.recv().is_ok() {}
 }
 
-/// A process that subscribes to everything, and then stops reading.
-fn stalled(endpoint: &str, quick: bool) -> Running {
+/// A process that subscribes to all that observers may hear, and then stops reading.
+fn stalled(endpoint: &str, more: &[(String, String)]) -> Running {
     let mut command = Command::new(std::env::current_exe().unwrap());
     command.args(["--exact", "watched::an_observer_of_everything", "--nocapture"]);
-    command.env(ENDPOINT, endpoint).stdout(Stdio::piped());
-    if quick {
-        command.env(QUICK, "1");
-    }
+    command.env(ENDPOINT, endpoint).env(MORE, serde_json::to_string(more).unwrap());
+    command.envs(Threads::One.setting()).stdout(Stdio::piped());
     let mut observer = Running(command.spawn().unwrap());
     let mut said = BufReader::new(observer.0.stdout.take().unwrap()).lines();
     assert!(said.any(|line| line.unwrap() == LISTENS));
@@ -89,32 +84,36 @@ fn stalled(endpoint: &str, quick: bool) -> Running {
     observer
 }
 
-/// A run that publishes everything at an endpoint and waits for [`workers`], and a folder with the
-/// results of the same run in one process.
-fn reported() -> (TempDir, String, Running) {
-    let folder = TempDir::new().unwrap();
-    let at = folder.path();
+/// A run that publishes everything at an endpoint, waits for [`workers`] and must not lose them;
+/// before that, the same run in one process.
+fn reported(at: &Path, protocol: &str, more: &[&str]) -> (String, Running) {
     std::fs::write(at.join("wide.ssd"), wide(1000.0).text()).unwrap();
     let (code, stderr) = outcome(at, &["run", "wide.ssd", "-q", "-o", "here.csv"]);
     assert_eq!(code, 0, "{stderr}");
-    let endpoint = format!("tcp/127.0.0.1:{}", free_port());
+    let endpoint = format!("{protocol}/127.0.0.1:{}", free_port());
     let run = ["run", "wide.ssd", "-q", "-o", "there.csv", "--listen", &endpoint, "--telemetry"];
-    let more = ["--distributed", "--min-workers", "2", "--wait", "600", "--real-time=150"];
-    let run = start(at, &[&run[..], &more].concat());
-    (folder, endpoint, run)
+    let run = [&run[..], &["--distributed", "--min-workers", "2", "--wait", "600"]].concat();
+    let run = [&run[..], &["--real-time=150", "--recoveries", "0"], more].concat();
+    let run = start(at, &run);
+    (endpoint, run)
 }
 
 /// The run begins: its observers are connected.
 fn workers(at: &Path, endpoint: &str) -> [Running; 2] {
-    ["a", "b"]
-        .map(|name| start(at, &["worker", "--name", name, "--connect", endpoint, "--allow-upload"]))
+    ["left", "right"].map(|name| {
+        let worker = ["worker", "--name", name, "--connect", endpoint, "--allow-upload"];
+        let keys = format!("keys/{name}");
+        let keys = ["--credentials", &keys];
+        start(at, &[&worker[..], if endpoint.starts_with("tls") { &keys } else { &[] }].concat())
+    })
 }
 
 #[test]
-fn a_stopped_observer_delays_no_step() {
-    let (folder, endpoint, mut run) = reported();
+fn stopped_observers_delay_no_step() {
+    let folder = TempDir::new().unwrap();
     let at = folder.path();
-    let good = observer(&endpoint);
+    let (endpoint, mut run) = reported(at, "tcp", &[]);
+    let good = observer(&endpoint, &[]);
     let status_told = good.declare_subscriber("cosim/1/*/status").wait().unwrap();
     let seen = Arc::new(AtomicUsize::new(0));
     let counted = seen.clone();
@@ -124,7 +123,7 @@ fn a_stopped_observer_delays_no_step() {
     };
     let _signals = signals.callback(count).wait().unwrap();
     // The run closes their connections after a second, in which something waits for them.
-    let stopped = [(); 3].map(|()| stalled(&endpoint, false));
+    let stopped = [(); 3].map(|()| stalled(&endpoint, &[]));
     let _workers = workers(at, &endpoint);
     let mut status = serde_json::Value::Null;
     while status["ended"] != true {
@@ -138,20 +137,37 @@ fn a_stopped_observer_delays_no_step() {
     drop(stopped);
     assert_eq!(results(at, "here.csv"), results(at, "there.csv"));
     assert!(seen.load(Ordering::Relaxed) > 100, "{seen:?}");
-    let groups = status["groups"].as_array().unwrap();
-    assert_eq!(groups.len(), 2);
-    for group in groups {
-        // A step that is held up for five seconds is made again.
-        assert_eq!(group["generation"], 1, "{status}");
-    }
+    assert_eq!(status["groups"].as_array().unwrap().len(), 2);
+}
+
+#[test]
+fn stopped_observers_with_certificates_delay_no_step() {
+    let folder = keys();
+    let at = folder.path();
+    let (endpoint, mut run) = reported(at, "tls", &["--credentials", "keys/orchestrator"]);
+    let file = |name: &str| format!("{:?}", at.join("keys/observer").join(name));
+    let more = [
+        ("transport/link/tls/root_ca_certificate".to_owned(), file("ca.pem")),
+        ("transport/link/tls/connect_certificate".to_owned(), file("cert.pem")),
+        ("transport/link/tls/connect_private_key".to_owned(), file("key.pem")),
+        ("transport/link/tls/enable_mtls".to_owned(), "true".to_owned()),
+    ];
+    let stopped = [(); 3].map(|()| stalled(&endpoint, &more));
+    let _workers = workers(at, &endpoint);
+    assert_eq!(run.0.wait().unwrap().code(), Some(0));
+    drop(stopped);
+    assert_eq!(results(at, "here.csv"), results(at, "there.csv"));
 }
 
 /// Zenoh waits forever for a peer that requested low latency and does not read.
 #[test]
 fn an_observer_that_blocks_its_line_holds_up_neither_steps_nor_the_end() {
-    let (folder, endpoint, mut run) = reported();
+    let folder = TempDir::new().unwrap();
     let at = folder.path();
-    let stopped = stalled(&endpoint, true);
+    let (endpoint, mut run) = reported(at, "tcp", &[]);
+    let quick =
+        [("transport/unicast/lowlatency", "true"), ("transport/unicast/qos/enabled", "false")];
+    let stopped = stalled(&endpoint, &quick.map(|(key, value)| (key.to_owned(), value.to_owned())));
     let _workers = workers(at, &endpoint);
     assert_eq!(run.0.wait().unwrap().code(), Some(0));
     drop(stopped);

@@ -35,7 +35,7 @@ pub(crate) fn free_port() -> u16 {
 }
 
 /// Keys of two authorities, `keys` and `others`.
-fn keys() -> TempDir {
+pub(crate) fn keys() -> TempDir {
     let folder = TempDir::new().unwrap();
     for name in ["keys", "others"] {
         let arguments = ["keys", name, "--worker", "left", "--worker", "right"];
