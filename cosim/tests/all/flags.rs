@@ -175,7 +175,16 @@ fn a_step_in_the_background_that_was_not_declared_is_refused_by_name() {
     // Its thread still writes into the instance: neither that nor its code may be released.
     drop(instance);
     drop(folder);
-    std::thread::sleep(std::time::Duration::from_millis(60));
+    while works() {
+        std::thread::yield_now();
+    }
+}
+
+/// Whether a thread of such a step is at work in this process.
+fn works() -> bool {
+    let threads = std::fs::read_dir("/proc/self/task").unwrap().flatten();
+    let mut names = threads.flat_map(|thread| std::fs::read_to_string(thread.path().join("comm")));
+    names.any(|name| name.trim_end() == "works")
 }
 
 #[test]

@@ -591,6 +591,7 @@ Status fmi2DoStep(Component c, double t, double h, int no_set) {
   pthread_t thread;
   m->pending = 1;
   pthread_create(&thread, NULL, work, m);
+  pthread_setname_np(thread, "works");
   pthread_detach(thread);
 #endif
 #ifdef LOGS_ONE /* addresses where there is nothing */
