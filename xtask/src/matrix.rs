@@ -68,7 +68,7 @@ fn page(summary: &Value) -> Result<String> {
     for (system, scenarios) in &systems {
         let filters: Vec<&String> = scenarios.values().flat_map(BTreeMap::keys).collect();
         let filters: std::collections::BTreeSet<&String> = filters.into_iter().collect();
-        let names = filters.iter().map(|name| name.as_str()).collect::<Vec<_>>().join(" | ");
+        let names = filters.iter().map(|name| breakable(name)).collect::<Vec<_>>().join(" | ");
         writeln!(page, "\n## In the system {system}\n\n| scenario | {names} |")?;
         writeln!(page, "|---|{}", "---|".repeat(filters.len()))?;
         for (scenario, row) in scenarios {
@@ -78,6 +78,14 @@ fn page(summary: &Value) -> Result<String> {
         }
     }
     Ok(page)
+}
+
+/// The name with places where a narrow column may break it.
+fn breakable(name: &str) -> String {
+    let inner = name.char_indices().filter(|(at, c)| *at > 0 && c.is_uppercase());
+    let mut broken = name.to_owned();
+    inner.rev().for_each(|(at, _)| broken.insert_str(at, "<wbr>"));
+    broken
 }
 
 fn list<'a>(summary: &'a Value, name: &str) -> impl Iterator<Item = &'a Value> {
@@ -96,10 +104,10 @@ mod tests {
         };
         let summary = serde_json::json!({"runs": 3, "verdicts": [
             verdict("s/A/fix_outage", 0.456, "pass".into()),
-            verdict("s/B/fix_outage", 2.0, "fail".into()),
+            verdict("s/NavB/fix_outage", 2.0, "fail".into()),
             verdict("s/A/nan", 1.0, serde_json::json!({"undecided": 5})),
         ]});
         let page = page(&summary).unwrap();
-        assert!(page.contains("| scenario | A | B |\n|---|---|---|\n| fix outage | 0.46 | 2.00 ✗ |\n| nan | 1.00 ? |  |"), "{page}");
+        assert!(page.contains("| scenario | A | Nav<wbr>B |\n|---|---|---|\n| fix outage | 0.46 | 2.00 ✗ |\n| nan | 1.00 ? |  |"), "{page}");
     }
 }

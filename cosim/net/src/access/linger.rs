@@ -42,8 +42,8 @@ fn forbid_all() {
     };
     let numbers = open.flatten().filter_map(|entry| entry.file_name().to_str()?.parse().ok());
     for number in numbers.collect::<Vec<RawFd>>() {
-        // SAFETY: it is used for this call only. If it has been closed meanwhile, the system says so;
-        // if the number means something else by now, that is looked at in its turn.
+        // SAFETY: it is used for this call only. If Zenoh has closed it, the calls of the system fail;
+        // a file that has got the same number is checked like every other.
         forbid_one(unsafe { BorrowedFd::borrow_raw(number) });
     }
 }
@@ -55,7 +55,7 @@ fn forbid_one(socket: BorrowedFd<'_>) {
     let address = getsockname(socket).ok().and_then(|address| SocketAddr::try_from(address).ok());
     let ports = PORTS.lock().unwrap_or_else(PoisonError::into_inner);
     if address.is_some_and(|a| ports.contains(&a.port()) || ports.contains(&0)) {
-        // Whoever closed it has the answer.
+        // It fails only where Zenoh has closed the connection in the meantime.
         let _ = sockopt::set_socket_linger(socket, None);
     }
 }
